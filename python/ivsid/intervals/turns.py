@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import io
 import os
-import pickle
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from contextvars import ContextVar
 from functools import partial
+from multiprocessing.reduction import ForkingPickler
 from typing import Final, TypeVar
 
 from ivsid.intervals.apart import Apart
@@ -15,6 +17,8 @@ _T = TypeVar("_T")
 # Tasks at most: a ticket is one byte.
 # Source: definition: the values of a byte
 MOST: Final = 256
+# Objects that results refer to, while those of one call are read.
+_common: ContextVar[Sequence[object]] = ContextVar("_common")
 
 
 def in_turns(tasks: Sequence[Callable[[], _T]], common: Sequence[object] = ()) -> list[_T]:
@@ -33,7 +37,11 @@ def in_turns(tasks: Sequence[Callable[[], _T]], common: Sequence[object] = ()) -
         os.close(writer)
         other = Apart(partial(_sent, tasks, reader, common))
         found: dict[int, _T] = _taken(tasks, reader)
-        theirs: Mapping[int, _T] = _Received(io.BytesIO(other.result()), common).load()
+        token = _common.set(common)
+        try:
+            theirs: Mapping[int, _T] = ForkingPickler.loads(other.result())
+        finally:
+            _common.reset(token)
     finally:
         os.close(reader)
     found |= theirs
@@ -57,33 +65,27 @@ def _sent(tasks: Sequence[Callable[[], object]], reader: int, common: Sequence[o
     places = {id(one): k for k, one in enumerate(common)}
     found = {}
     for k, result in _taken(tasks, reader).items():
-        try:
+        # What cannot be sent is done again on the other side, whatever the reason.
+        with suppress(Exception):
             _Sending(io.BytesIO(), places).dump(result)
-        except (pickle.PicklingError, AttributeError, TypeError):
-            continue
-        found[k] = result
+            found[k] = result
     into = io.BytesIO()
     _Sending(into, places).dump(found)
     return into.getvalue()
 
 
-class _Sending(pickle.Pickler):
+def _of_common(place: int) -> object:
+    """A common object by its number, where results are read."""
+    return _common.get()[place]
+
+
+class _Sending(ForkingPickler):
     """Writes results with common objects as their numbers."""
 
     def __init__(self, into: io.BytesIO, places: Mapping[int, int]) -> None:
-        super().__init__(into, protocol=pickle.HIGHEST_PROTOCOL)
+        super().__init__(into)
         self._places = places
 
-    def persistent_id(self, obj: object) -> int | None:
-        return self._places.get(id(obj))
-
-
-class _Received(pickle.Unpickler):
-    """Reads results with the common objects of this process."""
-
-    def __init__(self, given: io.BytesIO, common: Sequence[object]) -> None:
-        super().__init__(given)
-        self._common = common
-
-    def persistent_load(self, place: int) -> object:
-        return self._common[place]
+    def reducer_override(self, obj: object) -> tuple[Callable[[int], object], tuple[int]]:
+        place = self._places.get(id(obj))
+        return NotImplemented if place is None else (_of_common, (place,))

@@ -63,7 +63,8 @@ def test_a_sensor_that_stands_elsewhere_is_told(metres):
         assert found.misread[1].largest * 1.2e-3 == pytest.approx(metres, rel=0.3)
 
 
-@pytest.mark.parametrize("seed", [226003, 226012])
+# Nightly: the second seed; the gate takes the quicker one.
+@pytest.mark.parametrize("seed", [pytest.param(226003, marks=pytest.mark.nightly), 226012])
 def test_errors_that_jump_every_fortieth_of_the_range_keep_their_bounds(seed, monkeypatch):
     vehicle, train, _ = logs(seed, what="none", thrust="levels", share=1.0, sea="markov", sensors="white")
     fit = fitted(vehicle, train)

@@ -119,6 +119,7 @@ def test_a_force_of_minutes_inside_the_declared_one_is_none_that_the_catalogue_l
     found = adequacy(fit)
     # Its numbers may be those of the force as well.
     assert found.quiet and found.leans and not found.certain
+    assert not SlowForce(fit).beyond
     monkeypatch.setattr(leaving, "slow_force", lambda _: None)
     assert not adequacy(fit).quiet
 
@@ -128,14 +129,7 @@ def test_a_force_of_minutes_beyond_the_declared_one_is_told(seed, sea):
     """The same log beside a vehicle file that declares a fifth of the force."""
     vehicle, train, _ = drawn(seed, sea, declared=0.2)
     fit = fitted(vehicle, train)
-    assert not adequacy(fit).quiet
-
-
-@pytest.mark.parametrize(("seed", "sea"), CASES)
-@pytest.mark.parametrize(("declared", "beyond"), [(1.0, False), (0.2, True)])
-def test_a_log_says_whether_its_slow_forces_are_clearly_more_than_declared(seed, sea, declared, beyond):
-    vehicle, train, _ = drawn(seed, sea, declared=declared)
-    assert SlowForce(fitted(vehicle, train)).beyond is beyond
+    assert not adequacy(fit).quiet and SlowForce(fit).beyond
 
 
 def test_noise_faster_than_slow_forces_scatters_what_is_left_beside_them(monkeypatch):

@@ -38,6 +38,9 @@ ALONE: Final = 1e-5
 # Ambient acceleration over the declared one and that of thrust errors, at the least, that is no declared one any more.
 # Source: measured: the examination; 35 sound logs reached 1.0, and a shear outside the catalogue 2.5
 ROUGHER: Final = 2.0
+# Fall of a single regressor beside slow forces from which on it is no scatter of the noise above their frequencies.
+# Source: measured: the examination; sound logs in waves of half a minute had 52 at most, and the scatter takes three quarters
+LOUD: Final = 100.0
 # Eigenvalues of the correlation matrix below this belong to directions that other regressors explain to one per cent of their length.
 # Source: measured: make constants
 DEPENDENT: Final = 1e-4
@@ -245,9 +248,11 @@ def adequacy(fit: Fit) -> Adequacy:
         # a slow force.
         if found.white or found.strongest[0][2] >= FORETOLD:
             break
-        less, colour = Projection(other.beside(wide), own.base), other.spectrum(wide)
-        more = None if colour is None else excess(fit, own, at, colour)
-        found = max(found, found.also(_structure(less, at, names, worst, more)), key=lambda q: q.of_regressors)
+        less = Projection(other.beside(wide), own.base)
+        beside = found.also(_structure(less, at, names, worst))
+        if not beside.white and beside.strongest[0][2] < LOUD and (colour := other.spectrum(wide)) is not None:
+            beside = found.also(_structure(less, at, names, worst, excess(fit, own, at, colour)))
+        found = max(found, beside, key=lambda q: q.of_regressors)
     return replace(found, leans=leans)
 
 

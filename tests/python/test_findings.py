@@ -115,12 +115,19 @@ def test_numbers_that_may_all_be_none_name_nothing(id_, bounds, named):
 
 
 @pytest.mark.parametrize(
-    ("outside", "boxed", "named"),
-    [(0.0, True, True), (1.1, True, True), (1.4, True, False), (2.4, True, False), (2.4, False, True)],
+    ("outside", "boxed", "fall", "named"),
+    [
+        (0.0, True, 10.0, True),
+        (1.9, True, 10.0, True),
+        (2.4, True, 10.0, False),
+        (2.4, False, 10.0, True),
+        # A limit of 140 in chi-squared beside the priors, and of 149 in the box, left 1.4 times the bound.
+        (2.4, True, 140.0, True),
+    ],
 )
-def test_a_cause_whose_evidence_is_that_errors_leave_their_bounds_brings_them_back(outside, boxed, named):
+def test_a_cause_whose_evidence_is_that_errors_leave_their_bounds_brings_them_back(outside, boxed, fall, named):
     bounds = {"thruster.asymmetry": Bound(0.01, 0.05, "1", "")}
-    held = Held(EFFECTS["thruster.asymmetry"], 30.0, 0.0, bounds, True, True, boxed=boxed, outside=outside)
+    held = Held(EFFECTS["thruster.asymmetry"], fall, 0.0, bounds, True, True, boxed=boxed, outside=outside)
     assert (BOUNDS_KEPT.refuses(held) is None) == named
     assert (first_refusal(HELD, held, []) is None) == named
 

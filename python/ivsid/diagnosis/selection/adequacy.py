@@ -39,7 +39,7 @@ ALONE: Final = 1e-5
 # Source: measured: the examination; 35 sound logs reached 1.0, and a shear outside the catalogue 2.5
 ROUGHER: Final = 2.0
 # Fall of a single regressor beside slow forces from which on it is no scatter of the noise above their frequencies.
-# Source: measured: the examination; sound logs in waves of half a minute had 52 at most, and the scatter takes three quarters
+# Source: measured: the examination; sound logs in waves of half a minute had 52 at most, and the scatter takes four fifths of it
 LOUD: Final = 100.0
 # Eigenvalues of the correlation matrix below this belong to directions that other regressors explain to one per cent of their length.
 # Source: measured: make constants

@@ -155,8 +155,8 @@ PROOFS = (
     python(
         "a declared moment on a usual inertia alone",
         "diagnosis/estimation/noise.py",
-        "declared_ambient(vehicle, masses).deviation)",
-        "0.0)",
+        "{i: min(x, masses.get(i, x)) for i, x in own.items()}",
+        "own",
         "test_roughness.py",
     ),
     python(

@@ -12,7 +12,7 @@ from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.estimation.noise import largest_declared
+from ivsid.diagnosis.estimation.noise import declared_ambient, lightest
 from ivsid.diagnosis.selection.adequacy import ROUGHER, adequacy
 from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.vehicle import parse_vehicle
@@ -48,13 +48,12 @@ def test_a_moment_turns_a_hull_of_little_inertia_more():
     m, length = vehicle.hull.mass, vehicle.hull.length
     assert fit.h.values["inertia.yaw"] < 0.6 * m * length**2 / 8
     assert max(fit.noise.rougher) < 1.3
-    # By hand: the declared moment over the fitted inertia.
-    assert largest_declared(vehicle, fit.h.values)[2] == pytest.approx(
-        vehicle.ambient.moment / fit.h.values["inertia.yaw"]
-    )
-    assert largest_declared(vehicle, {"inertia.yaw": m * length**2, "mass.surge": 2 * m})[[0, 2]] == pytest.approx(
-        [vehicle.ambient.force / m, vehicle.ambient.moment / (m * length**2 / 8)]
-    )
+    # By hand: the declared moment over the fitted inertia, and over the usual one beside larger fitted masses.
+    sea, inertia = vehicle.ambient, fit.h.values["inertia.yaw"]
+    said = declared_ambient(vehicle, lightest(vehicle, fit.h.values))
+    assert said.deviation[2] == pytest.approx(sea.moment / inertia)
+    said = declared_ambient(vehicle, lightest(vehicle, {"inertia.yaw": m * length**2, "mass.surge": 2 * m}))
+    assert said.deviation == pytest.approx((sea.force / m, sea.force / m, sea.moment / (m * length**2 / 8)))
 
 
 def test_nothing_is_rougher_than_what_nobody_declared():

@@ -9,14 +9,11 @@ from contextlib import suppress
 from contextvars import ContextVar
 from functools import partial
 from multiprocessing.reduction import ForkingPickler
-from typing import Final, TypeVar
+from typing import TypeVar
 
 from ivsid.intervals.apart import Apart
 
 _T = TypeVar("_T")
-# Tasks at most: a ticket is one byte.
-# Source: definition: the values of a byte
-MOST: Final = 256
 # Objects that results refer to, while those of one call are read.
 _common: ContextVar[Sequence[object]] = ContextVar("_common")
 
@@ -27,24 +24,27 @@ def in_turns(tasks: Sequence[Callable[[], _T]], common: Sequence[object] = ()) -
     A task that fails, or whose result cannot be sent, is done again here, and raises what it raises; the first in order does.
 
     Args:
-        tasks: at most ``MOST``.
+        tasks: at most 256, since a ticket is one byte.
         common: objects of which results refer to one instance, as to effects with functions that cannot be sent.
+
+    Raises:
+        ValueError: more tasks.
     """
+    tickets = bytes(range(len(tasks)))
     reader, writer = os.pipe()
     try:
         # A read of one byte takes a ticket from both processes at once.
-        os.write(writer, bytes(range(len(tasks))))
-        os.close(writer)
+        with os.fdopen(writer, "wb") as into:
+            into.write(tickets)
         other = Apart(partial(_sent, tasks, reader, common))
         found: dict[int, _T] = _taken(tasks, reader)
         token = _common.set(common)
         try:
-            theirs: Mapping[int, _T] = ForkingPickler.loads(other.result())
+            found |= {k: ForkingPickler.loads(result) for k, result in other.result().items()}
         finally:
             _common.reset(token)
     finally:
         os.close(reader)
-    found |= theirs
     return [found[k] if k in found else task() for k, task in enumerate(tasks)]
 
 
@@ -60,18 +60,17 @@ def _taken(tasks: Sequence[Callable[[], _T]], reader: int) -> dict[int, _T]:
     return found
 
 
-def _sent(tasks: Sequence[Callable[[], object]], reader: int, common: Sequence[object]) -> bytes:
-    """Results of the tasks that were left, as bytes; the address of a common object is the same on both sides."""
+def _sent(tasks: Sequence[Callable[[], object]], reader: int, common: Sequence[object]) -> dict[int, bytes]:
+    """Results of the tasks that were left, as bytes, by index; the address of a common object is the same on both sides."""
     places = {id(one): k for k, one in enumerate(common)}
     found = {}
     for k, result in _taken(tasks, reader).items():
+        into = io.BytesIO()
         # What cannot be sent is done again on the other side, whatever the reason.
         with suppress(Exception):
-            _Sending(io.BytesIO(), places).dump(result)
-            found[k] = result
-    into = io.BytesIO()
-    _Sending(into, places).dump(found)
-    return into.getvalue()
+            _Sending(into, places).dump(result)
+            found[k] = into.getvalue()
+    return found
 
 
 def _of_common(place: int) -> object:

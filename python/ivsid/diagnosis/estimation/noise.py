@@ -140,16 +140,18 @@ def declared_ambient(vehicle: Vehicle, masses: Mapping[str, float] | None = None
     return Ambient((surge, surge, ASSUMED_SHARE * force * arm / inertia), (ASSUMED_TIME, ASSUMED_TIME, ASSUMED_TIME))
 
 
-def largest_declared(vehicle: Vehicle, masses: Mapping[str, float]) -> Array:
-    """Standard deviations of the declared ambient acceleration by axis, on the hull alone or with the fitted masses, whichever is larger, shape (3,).
+def lightest(vehicle: Vehicle, masses: Mapping[str, float]) -> dict[str, float]:
+    """Masses [kg] and inertia in yaw [kg m^2] of the hull alone or of a fitted model, whichever is less, by id: forces accelerate none more.
 
     No mass is below the hull's, which holds no water. An inertia may be half of a usual one's where the mass lies amidships.
 
     Args:
-        vehicle: whose file declares a force and a moment.
+        vehicle: with its hull.
         masses: of the fitted model by id.
     """
-    return np.maximum(declared_ambient(vehicle).deviation, declared_ambient(vehicle, masses).deviation)
+    m = vehicle.hull.mass
+    own = {MASS_SURGE.id: m, MASS_SWAY.id: m, INERTIA_YAW.id: m * hull_length(vehicle) ** 2 / INERTIA_DIVISOR}
+    return {i: min(x, masses.get(i, x)) for i, x in own.items()}
 
 
 def ambient_of(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], masses: Mapping[str, float]) -> Ambient:

@@ -16,10 +16,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.estimation.noise import INERTIA_DIVISOR, LAGS, declared_ambient, largest_declared, slopes_of
-from ivsid.diagnosis.plant.usual_hull import hull_length
+from ivsid.diagnosis.estimation.noise import LAGS, declared_ambient, lightest, slopes_of
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.effects.inertia import INERTIA_YAW, MASS_SURGE, MASS_SWAY
 
 Array = NDArray[np.float64]
 # Length of the blocks whose scatter tells how well a correlation is known [s].
@@ -51,13 +49,12 @@ def roughness(
     """
     if predictor.vehicle.ambient is None:
         return np.zeros(3), np.zeros(3)
-    found, declared = (
-        least_ambient(predictor, residual, rows, left_out),
-        largest_declared(predictor.vehicle, masses),
-    )
+    least = lightest(predictor.vehicle, masses)
+    said = declared_ambient(predictor.vehicle, least)
+    found, declared = least_ambient(predictor, residual, rows, left_out), np.array(said.deviation)
     # An ambient force that forgets at the declared rate keeps this share of its deviation.
-    kept = np.exp(-0.5 * LAGS[0] / np.array(declared_ambient(predictor.vehicle).time))
-    return found / kept / np.hypot(declared, _of_thrusts(predictor, masses)), found / declared
+    kept = np.exp(-0.5 * LAGS[0] / np.array(said.time))
+    return found / kept / np.hypot(declared, _of_thrusts(predictor) / np.array(list(least.values()))), found / declared
 
 
 def least_ambient(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]) -> Array:
@@ -91,8 +88,8 @@ def least_ambient(predictor: Predictor, residual: Array, rows: NDArray[np.bool_]
     return out
 
 
-def _of_thrusts(predictor: Predictor, masses: Mapping[str, float]) -> Array:
-    """Accelerations that errors of all thrusts together make at their bounds [m/s^2, rad/s^2], rms, by axis, shape (3,)."""
+def _of_thrusts(predictor: Predictor) -> Array:
+    """Forces X, Y [N] and moment N [N m] that errors of all thrusts together make at their bounds, rms, shape (3,)."""
     vehicle, propulsion = predictor.vehicle, predictor.propulsion
     out = np.zeros(3)
     for k, (thruster, errors) in enumerate(zip(vehicle.thrusters, propulsion.errors, strict=True)):
@@ -100,7 +97,4 @@ def _of_thrusts(predictor: Predictor, masses: Mapping[str, float]) -> Array:
         angle, (x, y) = predictor.driving.turned[k, : size.size], thruster.position
         c, s = np.cos(angle), np.sin(angle)
         out += np.sqrt(np.mean((np.stack([c, s, x * s - y * c]) * size) ** 2, axis=1))
-    m = vehicle.hull.mass
-    own = m, m, m * hull_length(vehicle) ** 2 / INERTIA_DIVISOR
-    ids = MASS_SURGE.id, MASS_SWAY.id, INERTIA_YAW.id
-    return np.asarray(out / np.minimum(own, [masses.get(i, x) for i, x in zip(ids, own, strict=True)]))
+    return out

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ivsid.diagnosis.estimation.noise import largest_declared
+from ivsid.diagnosis.estimation.noise import declared_ambient, lightest
 from ivsid.diagnosis.estimation.roughness import least_ambient
 from ivsid.diagnosis.null.any_curve import AnyCurve
 
@@ -33,5 +33,6 @@ def rougher_beyond(curve: AnyCurve) -> tuple[float, float, float]:
     errors = np.zeros((rows, fit.noise.good.size))
     errors[:, : whole.shape[1]] = fit.noise.whitening.undone(whole)
     found = least_ambient(predictor, errors, fit.noise.good, fit.noise.left_out)
-    x, y, n = (found / largest_declared(predictor.vehicle, fit.h.values)).tolist()
+    said = declared_ambient(predictor.vehicle, lightest(predictor.vehicle, fit.h.values))
+    x, y, n = (found / np.array(said.deviation)).tolist()
     return x, y, n

@@ -162,34 +162,23 @@ class Frequencies:
         return Strength(max(1.0 + share * (mean - 1.0), 1.0), float(found.freedom(weight)[0]))
 
 
-def spectrum(fit: Fit, g: Gram) -> Spectrum:
+def spectrum(fit: Fit, g: Gram, slow: Array | None = None, lowest: int = 0) -> Spectrum:
     """Spectrum of the noise that no column takes.
 
     Args:
         fit: of the model.
         g: cross-products of its base and of the regressors.
+        slow: signatures of slow forces that stand beside it and are held to a bound of their own, shape (forces, numbers).
+        lowest: frequencies of the log that are theirs, and count as white.
     """
     every = range(len(g.names))
     p = Projection(g, every)
-    return _spectrum(fit, g.y - g.explained(every, p.coefficients), _projected(p.normal, _lowest(fit, g.parts)))
-
-
-def faster_spectrum(fit: Fit, g: Gram, slow: Array, lowest: int) -> Spectrum:
-    """Spectrum of the noise that is faster than slow forces, which stand beside it and are held to their own bound.
-
-    Args:
-        fit: of the model.
-        g: cross-products of its base and of the regressors.
-        slow: signatures of the slow forces, shape (forces, numbers).
-        lowest: frequencies of the log that are those of slow forces, and count as white.
-    """
-    every = range(len(g.names))
-    p = Projection(g, every)
-    left = (g.y - g.explained(every, p.coefficients)).ravel()
-    own = slow @ slow.T
-    ridge = RIDGE * max(float(np.trace(own)), NOTHING) * np.eye(len(own))
-    left = left - slow.T @ np.linalg.solve(own + ridge, slow @ left)
-    found = _spectrum(fit, left.reshape(g.y.shape), _projected(p.normal, _lowest(fit, g.parts)))
+    left = g.y - g.explained(every, p.coefficients)
+    if slow is not None:
+        own = slow @ slow.T
+        ridge = RIDGE * max(float(np.trace(own)), NOTHING) * np.eye(len(own))
+        left = left - (slow.T @ np.linalg.solve(own + ridge, slow @ left.ravel())).reshape(left.shape)
+    found = _spectrum(fit, left, _projected(p.normal, _lowest(fit, g.parts)))
     return replace(found, found=np.where(np.arange(found.found.shape[1]) < lowest, 1.0, found.found))
 
 

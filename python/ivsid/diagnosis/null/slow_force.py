@@ -22,7 +22,7 @@ from scipy.linalg import cho_factor, cho_solve
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.beside import Beside
-from ivsid.diagnosis.null.frequencies import Spectrum, faster_spectrum
+from ivsid.diagnosis.null.frequencies import Spectrum, spectrum
 
 Array = NDArray[np.float64]
 # Half waves of a slow force over the log, at most.
@@ -139,7 +139,7 @@ class SlowForce(Beside):
         Args:
             g: cross-products of the base and of further columns.
         """
-        return None if self.beyond else faster_spectrum(self.fit, g, self._shapes[0], HALF_WAVES // 2 + 1)
+        return None if self.beyond else spectrum(self.fit, g, self._shapes[0], HALF_WAVES // 2 + 1)
 
 
 def slow_force(fit: Fit) -> SlowForce | None:

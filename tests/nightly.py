@@ -48,7 +48,7 @@ PARTS = (
     # The examination, whole diagnoses, real vessels, long sails and twins.
     Part(
         "tests",
-        'pytest -n auto --dist loadfile -m "nightly or sampled or same_rows" --hypothesis-seed={seed}',
+        'pytest -n auto --dist worksteal -m "nightly or sampled or same_rows" --hypothesis-seed={seed}',
         "IVSID_SEED={seed}",
     ),
     # Python's property tests, which the gate draws from fixed seeds.
@@ -103,21 +103,26 @@ def run(part: Part, seed: int) -> tuple[str, bool]:
     sys.stdout.write(f"{part.name}: {part.shown(seed)}\n")
     sys.stdout.flush()
     begin, date = time.monotonic(), datetime.now(UTC).date().isoformat()
-    done = subprocess.run(
+    printed = []
+    with subprocess.Popen(
         part.command.format(seed=seed),
         shell=True,
         cwd=ROOT,
         env=environment,
-        capture_output=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
         text=True,
-        check=False,
-    )
+    ) as process:
+        # Lines are shown as they come: a part takes up to an hour, and one that is stopped leaves what it found.
+        for line in process.stdout or ():
+            printed.append(line)
+            sys.stdout.write(line)
+            sys.stdout.flush()
     spent = time.monotonic() - begin
-    cases, result = counted(done.stdout)
-    passed = done.returncode == 0
+    cases, result = counted("".join(printed))
+    passed = process.returncode == 0
     if not passed:
-        sys.stdout.write(done.stdout + done.stderr)
-        result = f"**{result or 'failed'}, code {done.returncode}**"
+        result = f"**{result or 'failed'}, code {process.returncode}**"
     result = result or "passed"
     sys.stdout.write(f"{part.name}: {result}, {spent:.0f} s\n")
     sys.stdout.flush()

@@ -191,3 +191,50 @@ def test_a_signed_square_is_the_core_s_own_operation():
     found, reference = x.signed_square(), x._unary("signed_square")
     assert found.lower.tobytes() == reference.lower.tobytes() and found.upper.tobytes() == reference.upper.tobytes()
     assert x.magnitude.tobytes() == x._measure("magnitude").tobytes()
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3, 8])
+def test_pieces_come_back_in_their_order_and_the_first_fault_in_order_is_raised(monkeypatch, threads):
+    monkeypatch.setattr("ivsid.memory.pieces.processors", lambda: threads)
+    parts = pieces.pieces(40, 1)
+    assert pieces.over_pieces(parts, lambda part: part.start**2) == [k**2 for k in range(40)]
+    assert pieces.over_pieces([], len) == []
+
+    def fails(part):
+        if part.start in (30, 7, 12):
+            raise ValueError(part.start)
+        return part.start
+
+    for _ in range(20):
+        with pytest.raises(ValueError, match="^7$"):
+            pieces.over_pieces(parts, fails)
+
+
+def test_work_on_pieces_waits_for_no_thread_that_does_not_begin(monkeypatch):
+    waiting = []
+    monkeypatch.setattr("ivsid.memory.pieces.processors", lambda: 3)
+    monkeypatch.setattr("ivsid.memory.pieces.start_new_thread", lambda *task: waiting.append(task))
+    assert pieces.over_pieces(pieces.pieces(9, 1), lambda part: part.start) == list(range(9))
+    for function, arguments in waiting:
+        # Threads that begin late find nothing to do.
+        function(*arguments)
+
+    def refused(*_):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr("ivsid.memory.pieces.start_new_thread", refused)
+    assert pieces.over_pieces(pieces.pieces(9, 1), lambda part: part.start) == list(range(9))
+
+
+def test_an_interrupt_in_a_piece_is_raised_when_no_thread_works_any_more(monkeypatch):
+    monkeypatch.setattr("ivsid.memory.pieces.processors", lambda: 2)
+    done = []
+
+    def work(part):
+        if part.start == 3:
+            raise KeyboardInterrupt
+        done.append(part.start)
+
+    with pytest.raises(KeyboardInterrupt):
+        pieces.over_pieces(pieces.pieces(12, 1), work)
+    assert sorted(done) == [k for k in range(12) if k != 3]

@@ -8,9 +8,12 @@ for a row does not depend on its piece, so results depend neither on the pieces 
 from __future__ import annotations
 
 import os
+from _thread import start_new_thread
+from collections import deque
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from itertools import pairwise
+from queue import SimpleQueue
 from typing import Final, TypeVar
 
 import numpy as np
@@ -38,12 +41,42 @@ def processors() -> int:
 
 
 def over_pieces(parts: list[slice], work: Callable[[slice], _T]) -> list[_T]:
-    """The result of ``work`` for each piece, in their order; an error in a piece is raised, the first in order."""
-    threads = min(len(parts), processors())
-    if threads == 1:
+    """The result of ``work`` for each piece, in their order; an error in a piece is raised, the first in order.
+
+    This thread takes the pieces in turn with the others, and waits for none of them to begin: where another process has the other processors, it
+    does the work alone.
+    """
+    helpers = min(len(parts), processors()) - 1
+    if helpers < 1:
         return [work(part) for part in parts]
-    with ThreadPoolExecutor(threads) as pool:
-        return list(pool.map(work, parts))
+    found: dict[int, _T] = {}
+    failed: dict[int, BaseException] = {}
+    left = deque(range(len(parts)))
+    done: SimpleQueue[int] = SimpleQueue()
+
+    def share() -> None:
+        while True:
+            try:
+                k = left.popleft()
+            except IndexError:
+                return
+            try:
+                found[k] = work(parts[k])
+            except BaseException as error:
+                # An interrupt is raised as well, when no thread works on the pieces any more.
+                failed[k] = error
+            done.put(k)
+
+    for _ in range(helpers):
+        # A thread of the module threading is waited for until it runs. Where none can be had, this one does all the work.
+        with suppress(RuntimeError):
+            start_new_thread(share, ())
+    share()
+    for _ in parts:
+        done.get()
+    if failed:
+        raise failed[min(failed)]
+    return [found[k] for k in range(len(parts))]
 
 
 def array_pieces(rows: int, work: Callable[[slice], NDArray[_N]]) -> NDArray[_N]:

@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 # Products from which a second thread takes less time to start than it saves.
 # Source: resource: a tenth of a millisecond's work
 WORTH_TWO: Final = 1 << 22
+# Pieces of the blocks for each processor: another process may have one of them.
+# Source: resource: each starts a product of its own, some microseconds
+TURNS: Final = 4
 # Length of a block [s].
 # Source: geometry: longer than the memory of a filter (3.3 s at most) and of the whitening, so that the errors of two blocks are nearly independent
 BLOCK: Final = 10.0
@@ -214,7 +217,7 @@ def _products(x: Array, y: Array) -> Array:
             left = x[:, b]
             out[b] = left @ (left if y is x else y[:, b]).T
 
-    over_pieces(pieces(len(out), -(-len(out) // processors())), work)
+    over_pieces(pieces(len(out), -(-len(out) // (TURNS * processors()))), work)
     return out
 
 

@@ -246,6 +246,11 @@ def test_the_page_shows_each_finding_and_both_models_on_the_other_log(result):
     assert any("missing" in line or "simulated" in line for line in page.lines)
 
 
+def drawn_somewhere(_, name):
+    """A drawing whose caption is its process."""
+    return figures.Drawing(name, "", str(os.getpid()), b"", b"")
+
+
 @pytest.mark.figures
 @pytest.mark.skipif(
     "fork" not in multiprocessing.get_all_start_methods(), reason="figures are drawn in forked processes"
@@ -258,12 +263,9 @@ def test_figures_are_drawn_while_the_tables_are_made_and_are_the_same(result, se
     alone = diagnosis_report(result).drawings
     assert [(d.name, d.png, d.svg) for d in beside] == [(d.name, d.png, d.svg) for d in alone]
 
-    def drawn(gain, name):
-        return figures.Drawing(name, "", str(os.getpid()), b"", b"")
-
     names = ("net_force", "gain", "force_residual")
     assert [[f.__name__ for f in group] for group in gain_figures.DRAWN] == [list(names[:2]), [names[2]]]
-    first, second, third = (partial(drawn, name=name) for name in names)
+    first, second, third = (partial(drawn_somewhere, name=name) for name in names)
     monkeypatch.setattr(gain_figures, "DRAWN", ((first, second), (third,)))
     monkeypatch.setattr(apart, "processors", lambda: 2)
     drawers = [d.caption for d in diagnosis_report(result).drawings if d.name != "signature_1"]
@@ -273,7 +275,12 @@ def test_figures_are_drawn_while_the_tables_are_made_and_are_the_same(result, se
     early = GainFigures()
     early(copy(result.gain))
     early(result.gain)
-    drawers = [d.caption for d in diagnosis_report(result, early).drawings if d.name != "signature_1"]
+    made = diagnosis_report(result, early).drawings
+    early.end()
+    assert [(d.name, d.png, d.svg) for d in made if d.name == "signature_1"] == [
+        (d.name, d.png, d.svg) for d in alone if d.name == "signature_1"
+    ]
+    drawers = [d.caption for d in made if d.name != "signature_1"]
     assert drawers[0] == drawers[1] and len({*drawers, here}) == 3
     # A gain that nobody told of is drawn when it is asked for, where nothing can be forked as well.
     monkeypatch.setattr(apart, "processors", lambda: 1)

@@ -31,7 +31,7 @@ from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.parallel import side_by_side
 from ivsid.diagnosis.statements.windows import windows
 from ivsid.effects import EFFECTS, Given, Reading, terms_of
-from ivsid.intervals.apart import Apart, Prepared, in_turn
+from ivsid.intervals.apart import LOOK, Apart, Prepared, in_turn
 from ivsid.linear.filters import decaying, respond, table_thrust, whiten
 from ivsid.log import Log
 from ivsid.memory.pieces import processors
@@ -288,15 +288,30 @@ def test_a_task_apart_keeps_its_result_and_its_fault():
         Apart(lambda: 1 // 0).result()
     never = Apart(lambda: time.sleep(60))
     never.end()
-    early = Prepared(lambda x: (x, os.getpid()), lambda: None)
-    early.begin("a")
-    given, where = early.result()
-    assert given == "a" and (where == os.getpid()) == (alone or multiprocessing.current_process().daemon)
+    early, copied = Prepared.some(2, lambda x: (x, os.getpid()), lambda: None)
+    first, second, beside = early.begin("a"), early.begin("b"), copied.begin("c")
+    # Results keep their order, whichever is asked for first.
+    (other, there), (given, where), (apart, elsewhere) = second(), first(), beside()
+    assert (given, other, apart, where) == ("a", "b", "c", there)
+    assert (where == os.getpid()) == (alone or multiprocessing.current_process().daemon)
+    assert (elsewhere == where) == (where == os.getpid())
+    # Both have looked for the process that started them.
+    time.sleep(3 * LOOK)
+    assert (early.begin("d")(), copied.begin("e")()) == (("d", where), ("e", elsewhere))
+    early.end()
+    time.sleep(3 * LOOK)
+    # A copy ends with the process that it is a copy of, and its tasks are done here.
+    assert copied.begin("f")() == ("f", os.getpid())
     for ready in (lambda: None, lambda: 1 // 0):
-        broken = Prepared(lambda x: 1 // x, ready)
-        broken.begin(0)
-        with pytest.raises(ZeroDivisionError):
-            broken.result()
+        for broken in Prepared.some(2, lambda x: 1 // x, ready):
+            results = broken.begin(0), broken.begin(1)
+            with pytest.raises(ZeroDivisionError):
+                results[0]()
+            # What comes after a fault is done here.
+            assert results[1]() == 1
+    (unsent,) = Prepared.some(1, lambda task: task(), lambda: None)
+    assert unsent.begin(lambda: 7)() == 7
+    unsent.end()
     # The processes of the other two end by themselves.
     for process in multiprocessing.active_children():
         process.join(30)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import gc
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -38,11 +40,13 @@ def run(
     Raises:
         IvsidError: a folder that cannot be written, or unusable input.
     """
-    # Imports of a second or two wait until a command runs; the help needs none of them.
-    from ivsid import effects  # noqa: PLC0415
-    from ivsid.files import places, records  # noqa: PLC0415
-    from ivsid.report import page  # noqa: PLC0415
+    with _loading():
+        # Imports of a second or two wait until a command runs; the help needs none of them.
+        from ivsid import effects, workflow  # noqa: PLC0415
+        from ivsid.files import places, records  # noqa: PLC0415
+        from ivsid.report import page  # noqa: PLC0415
 
+        getattr(workflow, command, None)
     apart = apart or {}
     folder = out if out is not None else Path(f"ivsid-{command}")
     places.check_writable(folder)
@@ -66,3 +70,14 @@ def run(
     count = len(report.drawings)
     figures = f", {count} figure{'s' * (count > 1)}" if count else ""
     say(f"written to {folder}/ (report.html, result.json{figures})")
+
+
+@contextmanager
+def _loading() -> Iterator[None]:
+    """Modules that are loaded here stay as long as the program: the collector of garbage looks at none of them, neither later nor at the end."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.freeze()
+        gc.enable()

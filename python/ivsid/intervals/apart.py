@@ -7,11 +7,12 @@ import multiprocessing
 import os
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from multiprocessing.reduction import ForkingPickler
 from threading import Thread
-from typing import Final, Generic, TypeVar
+from typing import Final, Generic, Self, TypeVar
 
 from ivsid.memory.pieces import processors
 
@@ -110,53 +111,72 @@ def in_turn(*tasks: Apart[object]) -> None:
 
 
 class Prepared(Generic[_X, _T]):
-    """A process that is forked before its task is known, while this one is small, and gets ready for it: it is a copy that costs little.
+    """A process that is forked before its tasks are known, while this one is small, and gets ready for them: it is a copy that costs little.
 
-    Where no process can be forked, the task is done when its result is asked for.
+    Where no process can be forked, a task is done when its result is asked for.
 
     Args:
-        task: what is done with what is given later.
-        ready: what the process does before.
+        task: what is done with each of what is given later.
+        pipe: to a process that does it, or None.
+        worker: the process that this one has forked for it, if any.
     """
 
-    def __init__(self, task: Callable[[_X], _T], ready: Callable[[], object]) -> None:
-        self._task = task
-        self._given: tuple[()] | tuple[_X] = ()
-        self._pipe: Connection | None = None
+    def __init__(self, task: Callable[[_X], _T], pipe: Connection | None, worker: BaseProcess | None) -> None:
+        self._task, self._pipe, self._worker = task, pipe, worker
+        self._given = 0
+        self._found: list[_T] = []
         self._giving: Thread | None = None
+
+    @classmethod
+    def some(cls, count: int, task: Callable[[_X], _T], ready: Callable[[], object]) -> list[Self]:
+        """Several processes: one gets ready, and the others are copies of it.
+
+        Args:
+            count: how many.
+            task: what each does with each of what is given later.
+            ready: what is done before.
+        """
         if not forks():
-            return
+            return [cls(task, None, None) for _ in range(count)]
         context = multiprocessing.get_context("fork")
-        self._pipe, other = context.Pipe()
-        self._worker = context.Process(target=_answered, args=(task, ready, other), daemon=True)
-        self._worker.start()
-        other.close()
+        pipes = [context.Pipe() for _ in range(count)]
+        worker = context.Process(target=_answered, args=(task, ready, pipes), daemon=True)
+        worker.start()
+        for _, other in pipes:
+            other.close()
+        return [cls(task, own, None if k else worker) for k, (own, _) in enumerate(pipes)]
 
-    def begin(self, given: _X) -> None:
-        """Gives the process what it works on, once."""
-        self._given = (given,)
-        if self._pipe is not None:
-            # What is long waits for a process that is not ready yet, and this one does not.
-            self._giving = Thread(target=_given_to, args=(self._pipe, given), daemon=True)
-            self._giving.start()
+    def begin(self, given: _X) -> Callable[[], _T]:
+        """Gives the process what it works on next.
 
-    def result(self) -> _T:
-        """The result; a task that failed is done again here, and raises what it raises."""
-        if self._pipe is not None:
+        Returns:
+            What asks for the result, once; a task that failed, or that cannot be sent, is done here, and raises what it raises.
+        """
+        if self._pipe is None:
+            return partial(self._task, given)
+        try:
+            sent = ForkingPickler.dumps(given)
+        except Exception:
+            return partial(self._task, given)
+        # What is long waits for a process that is not ready yet, and this one does not.
+        self._giving = Thread(target=_given_to, args=(self._pipe, sent, self._giving), daemon=True)
+        self._giving.start()
+        self._given += 1
+        return partial(self._result, self._given, given)
+
+    def _result(self, number: int, given: _X) -> _T:
+        while self._pipe is not None and len(self._found) < number:
             try:
-                found: _T = self._pipe.recv()
+                self._found.append(self._pipe.recv())
             except (EOFError, OSError):
-                pass
-            else:
-                return found
-            finally:
                 self.end()
-        return self._task(*self._given)
+        return self._found[number - 1] if number <= len(self._found) else self._task(given)
 
     def end(self) -> None:
-        """Ends the process, whether or not its task is done."""
+        """Ends the process, whether or not its tasks are done; its copies end soon after it."""
         if self._pipe is not None:
-            self._worker.terminate()
+            if self._worker is not None:
+                self._worker.terminate()
             # What is still being given breaks off with the process.
             if self._giving is not None:
                 self._giving.join()
@@ -164,21 +184,39 @@ class Prepared(Generic[_X, _T]):
             self._pipe = None
 
 
-def _given_to(pipe: Connection, given: object) -> None:
+def _given_to(pipe: Connection, given: memoryview, before: Thread | None) -> None:
+    if before is not None:
+        before.join()
     # A process that has ended is noticed where its result is asked for.
     with suppress(OSError):
-        pipe.send(given)
+        pipe.send_bytes(given)
 
 
-def _answered(task: Callable[[_X], _T], ready: Callable[[], object], pipe: Connection) -> None:
+def _answered(
+    task: Callable[[_X], _T], ready: Callable[[], object], pipes: Sequence[tuple[Connection, Connection]]
+) -> None:
     gc.freeze()
-    end_with_parent()
     os.nice(GIVES_WAY)
-    try:
+    for other, _ in pipes:
+        # The end of the parent alone says whether somebody gives tasks.
+        other.close()
+    own, *others = (pipe for _, pipe in pipes)
+    first, parent = os.getpid(), None
+    with suppress(Exception):
         ready()
-        pipe.send(task(pipe.recv()))
-    except Exception:
-        pipe.close()
+        for pipe in others:
+            # The process has no thread yet: a copy would lack it.
+            if os.fork() == 0:
+                own, parent = pipe, first
+                break
+    end_with_parent(parent)
+    for _, pipe in pipes:
+        if pipe is not own:
+            pipe.close()
+    # Nothing more is given, or a task failed.
+    with suppress(Exception), own:
+        while True:
+            own.send(task(own.recv()))
 
 
 def forks() -> bool:
@@ -219,15 +257,18 @@ def _delivered(writer: Connection, found: memoryview) -> None:
         writer.send_bytes(found)
 
 
-def end_with_parent() -> None:
+def end_with_parent(started: int | None = None) -> None:
     """Makes this process end when the one that started it is gone, however it ended: nobody waits for its results.
 
     Its own code need not help, as long as it lets other threads run. Linux could send a signal (``PR_SET_PDEATHSIG``), but that follows the thread
     that started the process, and a thread of a pool may end before its process does.
+
+    Args:
+        started: number of the process that started this one, where multiprocessing did not.
     """
     parent = multiprocessing.parent_process()
     if parent is not None:
-        Thread(target=_watch, args=(parent.sentinel, parent.pid), daemon=True).start()
+        Thread(target=_watch, args=(parent.sentinel, started or parent.pid), daemon=True).start()
 
 
 def _watch(sentinel: int, parent: int | None) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -20,7 +20,7 @@ from ivsid.vehicle import Vehicle, read_vehicle
 from ivsid.workflow.diagnosis_screen import best_gain, first_screen, size, worse
 from ivsid.workflow.diagnosis_series import change_bars, claim_bars, finding_parts, row_links, test_series, train_series
 from ivsid.workflow.diagnosis_tables import allowed_table, candidates_table, claims_table, gain_table, untested_table
-from ivsid.workflow.gain_figures import GainFigures, drawn_beside
+from ivsid.workflow.gain_figures import GainFigures, drawn_beside, drawn_in_turn
 from ivsid.workflow.log_files import distinct_names
 from ivsid.workflow.progress import Progress, silent
 from ivsid.workflow.set_up import with_setup
@@ -98,9 +98,10 @@ def diagnosis_report(result: Diagnosis, drawn: GainFigures | None = None) -> Rep
     """
     figures_of_gain = drawn_beside(result.gain) if drawn is None else partial(drawn.of, result.gain)
     seen = diagnosis.evidence(result)
-    signatures = partial(_signatures, seen, result.findings)
+    signatures = _signatures(seen, result.findings)
     # Another process draws while this one makes the tables.
-    drawn_signatures = Apart(signatures).result if seen else signatures
+    begin = _drawn_apart if drawn is None else drawn.beside
+    drawn_signatures = begin(signatures)
     sections = [
         Section("Findings", tuple(_findings(result, seen))),
         Section("Hints: what the log shows of declared errors", (page.bullets(result.hints),) if result.hints else ()),
@@ -137,12 +138,17 @@ def diagnosis_report(result: Diagnosis, drawn: GainFigures | None = None) -> Rep
     return with_setup(report, result.setup)
 
 
-def _signatures(seen: Sequence[Evidence], findings: Sequence[Finding]) -> tuple[Drawing, ...]:
-    """Figures of the causes: of each that one log shows, and of those that were found between the two logs."""
-    return (
-        *(figures.signature(e, f"signature_{k}") for k, e in enumerate(seen, start=1)),
-        *(figures.ratios(f) for f in findings if "ratio" in f.evidence),
-    )
+def _signatures(seen: Sequence[Evidence], findings: Sequence[Finding]) -> list[Callable[[], Drawing]]:
+    """What draws the causes: each that one log shows, and those that were found between the two logs."""
+    return [
+        *(partial(figures.signature, e, f"signature_{k}") for k, e in enumerate(seen, start=1)),
+        *(partial(figures.ratios, f) for f in findings if "ratio" in f.evidence),
+    ]
+
+
+def _drawn_apart(draws: Sequence[Callable[[], Drawing]]) -> Callable[[], tuple[Drawing, ...]]:
+    task = partial(drawn_in_turn, draws)
+    return Apart(task).result if draws else task
 
 
 def _model(result: Diagnosis) -> str:

@@ -12,7 +12,7 @@ from ivsid.intervals.apart import Apart, Prepared
 from ivsid.report import figures
 from ivsid.report.figures import Drawing
 
-# What is drawn of a gain, in the order of the report, by process: each loads the fonts anew, and the statements need a processor as well.
+# What is drawn of a gain, in the order of the report, by process: each loads Matplotlib and its fonts, and the statements need a processor as well.
 DRAWN: Final[tuple[tuple[Callable[[Gain], Drawing], ...], ...]] = (
     (figures.net_force, figures.gain),
     (figures.force_residual,),
@@ -22,27 +22,31 @@ DRAWN: Final[tuple[tuple[Callable[[Gain], Drawing], ...], ...]] = (
 class GainFigures:
     """Forces, gain and missing forces on the other log.
 
-    Called with the gain of a model, it begins to draw that one's. Its processes load their fonts while the model is fitted.
+    Called with the gain of a model, it begins to draw that one's. Its processes load Matplotlib and its fonts while the model is fitted.
     """
 
     def __init__(self) -> None:
         self._gain: Gain | None = None
-        self._drawers = [Prepared(partial(_all, draws), figures.warm) for draws in DRAWN]
+        self._parts: list[Callable[[], tuple[Drawing, ...]]] = []
+        self._drawers = Prepared.some(len(DRAWN), drawn_in_turn, figures.warm)
 
     def __call__(self, gain: Gain) -> None:
         """Begins to draw a gain, while this process goes on; what was drawn of another one is lost."""
-        if self._gain is not None:
-            self.end()
-            self._drawers = [Prepared(partial(_all, draws), tuple) for draws in DRAWN]
         self._gain = gain
-        for drawer in self._drawers:
-            drawer.begin(gain)
+        self._parts = [
+            drawer.begin([partial(draw, gain) for draw in draws])
+            for drawer, draws in zip(self._drawers, DRAWN, strict=True)
+        ]
 
     def of(self, gain: Gain) -> tuple[Drawing, ...]:
         """The figures of a gain."""
         if self._gain is not gain:
             self(gain)
-        return tuple(chain.from_iterable(drawer.result() for drawer in self._drawers))
+        return tuple(chain.from_iterable(drawn() for drawn in self._parts))
+
+    def beside(self, draws: Sequence[Callable[[], Drawing]]) -> Callable[[], tuple[Drawing, ...]]:
+        """Begins to draw other figures, where fewer of the gain's are drawn."""
+        return self._drawers[-1].begin(draws)
 
     def end(self) -> None:
         """Ends what is still drawn."""
@@ -52,14 +56,11 @@ class GainFigures:
 
 def drawn_beside(gain: Gain) -> Callable[[], tuple[Drawing, ...]]:
     """Begins to draw a gain: the last figures where they are asked for, and all others in another process."""
-    beside = Apart(lambda: [_all(draws, gain) for draws in DRAWN[:-1]])
-
-    def drawn() -> tuple[Drawing, ...]:
-        last = _all(DRAWN[-1], gain)
-        return *chain.from_iterable(beside.result()), *last
-
-    return drawn
+    *first, last = ([partial(draw, gain) for draw in draws] for draws in DRAWN)
+    beside = Apart(lambda: [drawn_in_turn(draws) for draws in first])
+    return lambda: (*chain.from_iterable(beside.result()), *drawn_in_turn(last))
 
 
-def _all(draws: Sequence[Callable[[Gain], Drawing]], gain: Gain) -> tuple[Drawing, ...]:
-    return tuple(draw(gain) for draw in draws)
+def drawn_in_turn(draws: Sequence[Callable[[], Drawing]]) -> tuple[Drawing, ...]:
+    """The drawings, in their order."""
+    return tuple(draw() for draw in draws)

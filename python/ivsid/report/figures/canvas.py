@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import io
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
-import matplotlib as mpl
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # Blue, orange, green, vermilion, purple, black of Okabe and Ito: told apart by colour-blind readers.
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#000000")
@@ -28,8 +28,21 @@ class Drawing:
     svg: bytes
 
 
+def blank(size: tuple[float, float], layout: Literal["constrained"] | None = None) -> Figure:
+    """An empty figure [in].
+
+    The first one loads Matplotlib, for which a process that leaves its figures to another has no use.
+    """
+    from matplotlib.figure import Figure  # noqa: PLC0415
+
+    return Figure(figsize=size, layout=layout)
+
+
 def finish(name: str, title: str, caption: str, figure: Figure) -> Drawing:
     """The drawing with its two files."""
+    import matplotlib as mpl  # noqa: PLC0415 - it is loaded with the figure
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
+
     FigureCanvasAgg(figure)
     files = []
     # No date and a fixed salt: the same input gives the same bytes.
@@ -49,7 +62,7 @@ def finish(name: str, title: str, caption: str, figure: Figure) -> Drawing:
 
 def warm() -> Drawing:
     """A drawing that nobody sees: it loads the fonts and the writers of files that others need."""
-    figure = Figure(figsize=(2.0, 2.0), layout="constrained")
+    figure = blank((2.0, 2.0), layout="constrained")
     axes = figure.add_subplot()
     axes.plot([0.0, 1.0], [0.0, 1.0], label="0123456789 −.eE")
     axes.set_xlabel("XYNmrads[]/")

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ivsid.report.figures.canvas import COLOURS, Drawing, finish, fixed, thin
+from ivsid.report.figures.canvas import COLOURS, Drawing, blank, finish, fixed, thin
 from ivsid.report.scaling import robust_range
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from ivsid.diagnosis import Evidence, Finding, Isolability
     from ivsid.diagnosis.statements.comparison import Gain
@@ -22,7 +22,7 @@ def separation(result: Isolability, name: str = "separation") -> Drawing | None:
     """Distances of causes in a log, and with the manoeuvre that increases them most; None if no manoeuvre was tried."""
     if not result.advice:
         return None
-    figure = Figure(figsize=(8.5, 1.3 + 0.42 * len(result.advice)), layout="constrained")
+    figure = blank((8.5, 1.3 + 0.42 * len(result.advice)), layout="constrained")
     axes = figure.add_subplot()
     least = 0.1
     for row, advice in enumerate(result.advice):
@@ -78,7 +78,7 @@ MISSING = {"surge": "missing force X", "sway": "missing force Y", "yaw": "missin
 
 def signature(e: Evidence, name: str) -> Drawing:
     """The force missing without a finding, the force of the finding, and the rest: in time, and against the quantity that orders it."""
-    figure = Figure(figsize=(9.5, 4.0))
+    figure = blank((9.5, 4.0))
     left, right = figure.subplots(1, 2, width_ratios=(1.5, 1))
     figure.subplots_adjust(left=0.09, right=0.99, bottom=0.13, top=0.92, wspace=0.15)
     first, end = e.window
@@ -126,7 +126,7 @@ def ratios(f: Finding, name: str = "ratios") -> Drawing:
     """Ratios of masses and drags between the two logs, and the factor that all of them share."""
     each, deviation = f.evidence["ratio"], f.evidence["ratio_deviation"]
     (bound,) = f.parameters.values()
-    figure = Figure(figsize=(8.5, 1.2 + 0.42 * len(each)), layout="constrained")
+    figure = blank((8.5, 1.2 + 0.42 * len(each)), layout="constrained")
     axes = figure.add_subplot()
     axes.axvspan(bound.lower, bound.upper, color=COLOURS[0], alpha=0.25, lw=0, label="the factor of all")
     for row, (id_, ratio) in enumerate(each.items()):
@@ -148,7 +148,7 @@ def ratios(f: Finding, name: str = "ratios") -> Drawing:
 
 def net_force(gain: Gain, name: str = "net_force") -> Drawing:
     """Mass times acceleration on the other log: measured, of the plain model, and of the extended model."""
-    figure = Figure(figsize=(8.5, 5.8))
+    figure = blank((8.5, 5.8))
     s = stretch(gain)
     for k, (label, axes) in enumerate(
         zip(("X [N]", "Y [N]", "N [N m]"), figure.subplots(3, 1, sharex=True), strict=True)
@@ -188,7 +188,7 @@ def stretch(gain: Gain, seconds: float = 60.0) -> slice:
 
 def force_residual(gain: Gain, name: str = "force_residual") -> Drawing:
     """Missing force on the other log, before and after, low-passed."""
-    figure = Figure(figsize=RESIDUAL_SIZE)
+    figure = blank(RESIDUAL_SIZE)
     draw_residual(figure, gain)
     text = "; ".join(f"{q} {b:.3g} before, {a:.3g} after" for q, (b, a) in gain.force_rms.items())
     return finish(
@@ -227,7 +227,7 @@ def _cut(axes: Axes, time: NDArray[np.float64], rows: NDArray[np.float64]) -> No
 
 def gain(gain: Gain, name: str = "gain") -> Drawing:
     """Velocities on the other log: measured, simulated by the plain model, and by the extended model."""
-    figure = Figure(figsize=(8.5, 5.8))
+    figure = blank((8.5, 5.8))
     s = stretch(gain, 120.0)
     for k, (label, axes) in enumerate(
         zip(("u [m/s]", "v [m/s]", "r [rad/s]"), figure.subplots(3, 1, sharex=True), strict=True)

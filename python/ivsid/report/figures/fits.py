@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from ivsid.report.figures.canvas import COLOURS, FORCE_LABEL, Drawing, finish, thin
+from ivsid.report.figures.canvas import COLOURS, FORCE_LABEL, Drawing, blank, finish, thin
 from ivsid.report.scaling import narrow_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from ivsid.identification import Identification
     from ivsid.validation import ForceCheck, MotionCheck
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def intervals(fits: Sequence[Identification], name: str = "parameters") -> Drawing:
     """Parameter intervals of one or more methods."""
-    figure = Figure(figsize=intervals_size(fits), layout="constrained")
+    figure = blank(intervals_size(fits), layout="constrained")
     draw_intervals(figure, fits)
     return finish(
         name,
@@ -79,7 +79,7 @@ def draw_intervals(figure: Figure, fits: Sequence[Identification]) -> None:
 
 def force_mid(check: ForceCheck, name: str, title: str) -> Drawing:
     """Mid-values of the predicted force against the measured one (paper Figs 4-5)."""
-    figure = Figure(figsize=(8.5, 4.2), layout="constrained")
+    figure = blank((8.5, 4.2), layout="constrained")
     axes = figure.add_subplot()
     s = thin(check.time.size)
     axes.plot(check.time[s], check.measured[s].midpoint, color=COLOURS[5], lw=1, label="measured")
@@ -94,7 +94,7 @@ def force_mid(check: ForceCheck, name: str, title: str) -> Drawing:
 
 def force_bounds(check: ForceCheck, name: str, title: str, *, guaranteed: bool) -> Drawing:
     """Bounds of the predicted force against the measured one (paper Figs 6-7)."""
-    figure = Figure(figsize=(8.5, 4.2), layout="constrained")
+    figure = blank((8.5, 4.2), layout="constrained")
     draw_bounds(figure.add_subplot(), check)
     word = "guaranteed under the stated assumptions" if guaranteed else "not guaranteed"
     caption = f"{100 * check.coverage:.1f} % of the measured values lie inside; {check.falsified} rows contradict the parameters. Bounds {word}."
@@ -120,7 +120,7 @@ def _time_axes(axes: Axes, check: ForceCheck) -> None:
 
 def motion(check: MotionCheck, name: str = "motion") -> Drawing:
     """Simulated against measured velocities, window by window."""
-    figure = Figure(figsize=(8.5, 5.4), layout="constrained")
+    figure = blank((8.5, 5.4), layout="constrained")
     for k, (label, axes) in enumerate(
         zip(("u [m/s]", "v [m/s]", "r [rad/s]"), figure.subplots(3, 1, sharex=True), strict=True)
     ):

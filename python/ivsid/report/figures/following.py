@@ -5,20 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from ivsid.report.figures.canvas import COLOURS, Drawing, finish
+from ivsid.report.figures.canvas import COLOURS, Drawing, blank, finish
 from ivsid.report.scaling import robust_range
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from ivsid.identification import Following
 
 
 def narrowing(result: Following) -> Drawing:
     """A panel for each parameter: its interval after each moment of the log."""
-    figure = Figure(figsize=narrowing_size(result), layout="constrained")
+    figure = blank(narrowing_size(result), layout="constrained")
     draw_narrowing(figure, result)
     word = "guaranteed under the stated assumptions" if result.guaranteed else "not guaranteed"
     text = f"The interval of each parameter by the rows so far, {word}. Open ends leave the panel."

@@ -6,13 +6,14 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ivsid.propulsion.thrust import table_curve
-from ivsid.report.figures.canvas import COLOURS, Drawing, finish, thin
+from ivsid.report.figures.canvas import COLOURS, Drawing, blank, finish, thin
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from ivsid.log import Log
     from ivsid.propulsion.bollard import Bollard
     from ivsid.sensors.allan import AllanDeviation
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 def channels(log: Log, name: str = "log") -> Drawing:
     """The channels of a log as measured: demands, velocities and rates, accelerations."""
-    figure = Figure(figsize=channels_size(log), layout="constrained")
+    figure = blank(channels_size(log), layout="constrained")
     draw_channels(figure, log)
     return finish(name, f"The log {log.name}", f"{log.t.size} samples, median step {log.period:.4g} s.", figure)
 
@@ -58,7 +59,7 @@ def draw_channels(figure: Figure, log: Log) -> None:
 
 def allan_curves(curves: Mapping[str, AllanDeviation], name: str, title: str, unit: str) -> Drawing:
     """Allan deviation against averaging time with its band and the fitted model (paper Figs 1-2)."""
-    figure = Figure(figsize=(7.5, 4.6), layout="constrained")
+    figure = blank((7.5, 4.6), layout="constrained")
     axes = figure.add_subplot()
     for k, (channel, a) in enumerate(curves.items()):
         colour = COLOURS[k % len(COLOURS)]
@@ -93,7 +94,7 @@ def thrust_curve(
     table: Bollard, name: str = "thrust", title: str = "Thrust against demand", demand_unit: str = "%"
 ) -> Drawing:
     """Bollard-pull points with the candidate curves, and the residuals of these."""
-    figure = Figure(figsize=(8.5, 4.2), layout="constrained")
+    figure = blank((8.5, 4.2), layout="constrained")
     left, right = figure.subplots(1, 2)
     fine = np.linspace(table.demand[0], table.demand[-1], 600)
     left.plot(table.demand, table.thrust, "o", ms=3, color=COLOURS[5], label="table")
@@ -119,7 +120,7 @@ def drag_curve(
     speed: NDArray[np.float64], force: NDArray[np.float64], coefficients: tuple[float, float], name: str
 ) -> Drawing:
     """Towing runs with a least-squares drag of a linear and a quadratic part."""
-    figure = Figure(figsize=(7.5, 4.2), layout="constrained")
+    figure = blank((7.5, 4.2), layout="constrained")
     axes = figure.add_subplot()
     fine = np.linspace(speed.min(), speed.max(), 400)
     linear, quadratic = coefficients

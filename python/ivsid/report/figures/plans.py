@@ -5,17 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from ivsid.report.figures.canvas import COLOURS, Drawing, finish, thin
+from ivsid.report.figures.canvas import COLOURS, Drawing, blank, finish, thin
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from ivsid.plans import Plan
 
 
 def plan(result: Plan, name: str) -> Drawing:
     """Track on the left, demands on the right."""
-    figure = Figure(figsize=(9.5, 4.2), layout="constrained")
+    figure = blank((9.5, 4.2), layout="constrained")
     draw_plan(figure, result)
     fence = result.fence
     kept = f"{fence.inside} of {fence.members} simulated members stay inside." if np.isfinite(fence.radius) else ""

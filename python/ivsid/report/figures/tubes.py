@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from ivsid.report.figures.canvas import COLOURS, Drawing, finish, thin
+from ivsid.report.figures.canvas import COLOURS, Drawing, blank, finish, thin
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from ivsid.tubes import Tube
     from ivsid.tubes.bounds import Run
@@ -21,7 +21,7 @@ LABELS = ("u [m/s]", "v [m/s]", "r [rad/s]", "heading [rad]", "north [m]", "east
 def tube(result: Tube, run: Run, name: str, *, components: tuple[int, ...] | None = None) -> Drawing:
     """The tube of one length of window: a panel for each component that is followed, or for those that are asked for."""
     shown = result.components if components is None else components
-    figure = Figure(figsize=tube_size(len(shown)), layout="constrained")
+    figure = blank(tube_size(len(shown)), layout="constrained")
     draw_tube(figure, result, run, shown)
     word = "guaranteed under the stated assumptions" if result.guaranteed else "not guaranteed"
     restart = (

@@ -10,7 +10,7 @@ import numpy as np
 from tests.exam.catalogue import CLAIMED, EFFECTS, ON_TEST_ALONE, OUTSIDE, drawn, drawn_by, outside_by, possible
 from tests.exam.readings import exact as clean_readings
 from tests.exam.readings import log as noisy
-from tests.exam.seas import SEAS, drawn_sea
+from tests.exam.seas import drawn_force, drawn_sea
 from tests.exam.sensor_errors import drawn_sensors, mounting, slow_errors, stated
 from tests.exam.shown import Sailed, shown
 from tests.exam.simulator import Vessel, grouped, sail
@@ -89,9 +89,7 @@ class Setting:
         streams = [np.random.default_rng([self.seed, which, k]) for k in range(3)]
         n, h = round(scenario.duration * scenario.rate), 1 / scenario.rate
         sea = vessel.table["ambient"]
-        ambient = np.stack(
-            [SEAS[self.sea](n, h, sea[k], sea["time"], streams[0]) for k in ("force", "force", "moment")], axis=1
-        )
+        ambient = drawn_force(self.sea, n, h, (sea["force"], sea["force"], sea["moment"]), sea["time"], streams[0])
         if self.family == "inflow":
             own = np.random.default_rng([self.seed, 5])
             length = vessel.body.length

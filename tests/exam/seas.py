@@ -1,6 +1,7 @@
 """Ambient forces of several spectra, all of them with the rms of the vehicle file.
 
-Random ones, long gusts, bands and lines of a swell, single gusts, one wave of minutes, and gusts that never turn.
+Random ones, long gusts, bands and lines of a swell, single gusts, one wave of minutes, gusts that never turn, a square wave, and gusts that push
+and turn at once.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ LINES, PERIODS = (2, 13), (1.5, 8.0)
 SLOW_PERIODS = (8.0, 2.0)
 # Width of a single gust, and the mean time between two of them, in correlation times.
 GUST, BETWEEN = 1.0, 6.0
+# Strengths of gusts that begin and end at once, each as often as the others.
+STRENGTHS = (0.0, 0.0, 1.0, 1.6)
 
 
 def _slow(n: int, h: float, deviation: float, time: float, rng: np.random.Generator) -> np.ndarray:
@@ -68,6 +71,22 @@ def _one_sided(n: int, h: float, deviation: float, time: float, rng: np.random.G
     return float(rng.choice([-1.0, 1.0])) * _to(np.abs(gauss_markov(n, h, 1.0, time, rng)), deviation)
 
 
+def _square(n: int, h: float, deviation: float, time: float, rng: np.random.Generator) -> np.ndarray:
+    """A force that jumps between two values, shape (n,)."""
+    period = time * rng.uniform(*PERIODS)
+    return deviation * np.where((h * np.arange(n) / period + rng.uniform()) % 1.0 < 0.5, 1.0, -1.0)
+
+
+def _blown(n: int, h: float, deviation: float, time: float, rng: np.random.Generator) -> np.ndarray:
+    """Gusts of a few strengths that begin and end at once, with lulls between them, shape (n,)."""
+    found, at = np.zeros(n), 0
+    while at < n:
+        count = 1 + round(rng.exponential(time) / h)
+        found[at : at + count] = rng.choice(STRENGTHS)
+        at += count
+    return _to(found, deviation) if np.any(found) else found
+
+
 def _to(x: np.ndarray, deviation: float) -> np.ndarray:
     """A force of another rms."""
     return deviation * x / math.sqrt(float(np.mean(x**2)))
@@ -81,15 +100,46 @@ SEAS: Mapping[str, Callable[[int, float, float, float, np.random.Generator], np.
     "lines": _lines,
     "minutes": _minutes,
     "one-sided": _one_sided,
+    "square": _square,
+    "at once": _blown,
 }
+# Seas of which one series pushes ahead and sideways and turns.
+AT_ONCE = frozenset({"at once"})
 # Seed from which on a sea of lines is drawn: cases of earlier seeds, which pages name, stay what they were.
 LINES_SINCE = 181000
 # The same of waves of minutes and of gusts that never turn.
 SLOW_SINCE = 235000
+# The same of a square wave, and of gusts that push and turn at once.
+JUMPS_SINCE = 250000
 
 
 def drawn_sea(seed: int) -> str:
     """The sea of a seed, each as often as the others."""
-    since = {"lines": LINES_SINCE, "minutes": SLOW_SINCE, "one-sided": SLOW_SINCE}
+    since = {
+        "lines": LINES_SINCE,
+        "minutes": SLOW_SINCE,
+        "one-sided": SLOW_SINCE,
+        "square": JUMPS_SINCE,
+        "at once": JUMPS_SINCE,
+    }
     known = [name for name in SEAS if seed >= since.get(name, 0)]
     return str(np.random.default_rng([seed, 6]).choice(known))
+
+
+def drawn_force(
+    sea: str, n: int, h: float, deviations: tuple[float, float, float], time: float, rng: np.random.Generator
+) -> np.ndarray:
+    """Force ahead and sideways, and moment, of a sea, shape (n, 3).
+
+    Args:
+        sea: its name.
+        n: number of moments.
+        h: time between two of them [s].
+        deviations: rms of the forces [N] and of the moment [N m].
+        time: correlation time of the vehicle file [s].
+        rng: draws it.
+    """
+    if sea in AT_ONCE:
+        sides = rng.choice([-1.0, 1.0], 3)
+        return SEAS[sea](n, h, 1.0, time, rng)[:, None] * np.array(deviations) * sides
+    return np.stack([SEAS[sea](n, h, deviation, time, rng) for deviation in deviations], axis=1)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 from tests.exam.cases import case
+from tests.exam.seas import PERIODS
 
 from diagnosis_logs import logs_of, logs_of_case, train_of, vehicle_of
 from ivsid import diagnose
@@ -15,7 +16,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null import leaving
 from ivsid.diagnosis.null import round as screening_round
-from ivsid.diagnosis.null.slow_force import HALF_WAVES, SlowForce
+from ivsid.diagnosis.null.slow_force import HALF_WAVES, HARMONICS, SlowForce, wave_beside
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.statements import shallow_water
 from ivsid.vehicle import parse_vehicle
@@ -43,16 +44,17 @@ def drawn(seed, sea, *, declared=1.0, **asked):
     return parse_vehicle(text, "v.toml"), *logs_of_case(c)
 
 
-def test_falls_beside_slow_forces_are_those_of_a_fit_with_them():
+@pytest.mark.parametrize("period", [None, 7.3])
+def test_falls_beside_slow_forces_are_those_of_a_fit_with_them(period):
     """The oracle: least squares on the base, the cause and the slow forces at once, each with its prior as a row of its own."""
     vehicle = vehicle_of()
     fit, scored = score(fitted(vehicle, train_of(vehicle)))
-    slow, g = SlowForce(fit), fit.gram
+    slow, g = SlowForce(fit, period), fit.gram
     columns = g.columns(list(fit.base)).reshape(len(fit.base), -1)
     prior = g.prior[list(fit.base)]
     known = (g.prior * g.centre)[list(fit.base)]
     forces, _ = slow._shapes
-    assert len(forces) == 5 * (HALF_WAVES + 1)
+    assert len(forces) == 5 * (HALF_WAVES + 1 + (0 if period is None else 2 * HARMONICS))
 
     def least(more):
         every = np.concatenate([columns, forces, more])
@@ -77,6 +79,19 @@ def test_falls_beside_slow_forces_are_those_of_a_fit_with_them():
         assert slow.fall(s) == pytest.approx(nothing - left, rel=1e-4, abs=1e-3), s.id
         alone = Projection(g, [*fit.base, *s.columns]).coefficients[len(fit.base) :]
         assert slow.moved(s) == pytest.approx(beside - alone, rel=1e-3, abs=1e-3), s.id
+
+
+@pytest.mark.parametrize(("seed", "alone"), [(250004, False), (250005, True)])
+def test_the_wave_of_a_square_wave_is_the_one_that_a_log_shows(seed, alone):
+    vehicle, train, _ = drawn(seed, "square")
+    beside = wave_beside(fitted(vehicle, train))
+    # Each axis has a square wave of its own period, which the examiner draws before its phase.
+    rng = np.random.default_rng([seed, 0, 0])
+    periods = [(vehicle.ambient.time * rng.uniform(*PERIODS), rng.uniform())[0] for _ in range(2)]
+    assert beside is not None and min(abs(beside._period / p - 1.0) for p in periods) < 2e-3
+    # Without it the errors of four turning thrusters show a wave of their own in the other log.
+    vehicle, train, _ = drawn(seed, "markov")
+    assert (wave_beside(fitted(vehicle, train)) is None) == alone
 
 
 @pytest.mark.parametrize("newton", [0.0, 0.4])

@@ -21,7 +21,8 @@ from ivsid.diagnosis.null.beside import Beside
 from ivsid.diagnosis.null.boxed import Boxed, Leaving, outside, readings
 from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
-from ivsid.diagnosis.null.slow_force import SlowForce, slow_force
+from ivsid.diagnosis.null.slow_force import SlowForce, slow_force, wave_beside
+from ivsid.diagnosis.plant.declared_readings import ARM
 
 # Size of a fitted thrust error, in bounds, from which on all curves inside their accuracy are asked, though the values at the knots may lie inside theirs
 # with their overshoot.
@@ -61,11 +62,18 @@ class Others:
         """The base beside slow forces; None where the vehicle file declares no ambient force."""
         return slow_force(self.fit)
 
+    @cached_property
+    def wave(self) -> SlowForce | None:
+        """The base beside slow forces and a wave; None where the log shows none."""
+        return wave_beside(self.fit)
+
     def beside(self) -> Iterator[Beside]:
         """What else may have, each made where those before it do not explain enough."""
         yield self.past
         if self.slow is not None:
             yield self.slow
+        if self.wave is not None:
+            yield self.wave
 
 
 def thrusts(others: Others) -> tuple[float, int, float]:
@@ -97,6 +105,9 @@ def misread_of(others: Others) -> tuple[Misread, Misread] | None:
     """The error of readings that leaves its bound most, each beside what leaves it the most probable, and the same beside curves alone."""
     fit, vehicle = others.fit, others.fit.noise.predictor.vehicle
     found = dict(readings(vehicle, fit.gram, fit.base))
+    if fit.noise.left_out:
+        # The yaw rate answers to moments that no model follows there, and a gust brings forces with them.
+        found = {name: q for name, q in found.items() if not name.startswith(ARM)}
     if not found:
         return None
 
@@ -105,7 +116,8 @@ def misread_of(others: Others) -> tuple[Misread, Misread] | None:
         return name, most, min(1.0, most.chance * len(found))
 
     def asked(g: Gram) -> None:
-        found.update((n, q) for n, q in readings(vehicle, g, range(len(g.names))) if q.chance > found[n].chance)
+        there = readings(vehicle, g, range(len(g.names)))
+        found.update((n, q) for n, q in there if n in found and q.chance > found[n].chance)
 
     if worst()[2] <= DOUBT and vehicle.thrusters:
         # A thrust curve may have moved the readings.

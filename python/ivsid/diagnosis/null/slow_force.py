@@ -19,15 +19,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
+from ivsid.diagnosis.candidates.searched import with_searched
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.beside import Beside
 from ivsid.diagnosis.null.frequencies import Spectrum, spectrum
+from ivsid.effects import Harmonic
 
 Array = NDArray[np.float64]
 # Half waves of a slow force over the log, at most.
 # Source: geometry: eight are four periods a log
 HALF_WAVES: Final = 8
+# Sines that a wave is made of, its own with it.
+# Source: geometry: a square wave has nine tenths of its power in the first and the third
+HARMONICS: Final = 3
 # Chi-squared, and share of a bound, by which its multiplier may miss.
 # Source: definition: a tenth of a standard deviation, squared
 GAP: Final = 0.01
@@ -41,13 +46,25 @@ MOST: Final = 10.0
 # Mean square of a force over the log, in that of the declared one, up to which it is no more than that.
 # Source: geometry: the mean square of a wave beside its crest is twice that of all of it
 CREST: Final = 2.0
+# Chance of the fall of chi-squared by a wave, over all periods that are searched, from which on none stands out.
+# Source: definition: one in a thousand logs without a wave
+RARE: Final = 1e-3
 # Least duration that is divided by [s].
 # Source: geometry: the smallest doubles
 LEAST: Final = 1e-300
 
 
 class SlowForce(Beside):
-    """The base of a fit beside slow forces inside the declared ambient force, which the vehicle file of the fit has to declare."""
+    """The base of a fit beside slow forces inside the declared ambient force, which the vehicle file of the fit has to declare.
+
+    Args:
+        fit: of the model without causes.
+        period: of a wave that the force holds as well, with its harmonics [s], or None.
+    """
+
+    def __init__(self, fit: Fit, period: float | None = None) -> None:
+        super().__init__(fit)
+        self._period = period
 
     @cached_property
     def _shapes(self) -> tuple[Array, Array]:
@@ -56,7 +73,7 @@ class SlowForce(Beside):
         Along a straight course a force ahead and one over ground are the same one, so that the bound is on their sum along each axis of the hull.
         """
         g = self.fit.gram
-        made = list(_forces(self.fit))
+        made = list(_forces(self.fit, self._period))
         x, unit = g.white.blocks([answer for _, answer in made], g.good, g.length)
         force = np.stack([f for f, _ in made], axis=1)
         return x.reshape(len(x), -1) * unit[:, None], force @ force.transpose(0, 2, 1) / force.shape[2]
@@ -87,7 +104,7 @@ class SlowForce(Beside):
             base: indices of the columns that are free.
             known: coefficients by column, 0 for those that are free, shape (columns,).
         """
-        other = SlowForce(self.fit)
+        other = SlowForce(self.fit, self._period)
         # Signatures and bounds are those of the same fit.
         other.__dict__.update(_shapes=self._shapes, _held=self._multiplied(g, base, known))
         return other
@@ -148,19 +165,46 @@ def slow_force(fit: Fit) -> SlowForce | None:
     return SlowForce(fit) if sea is not None and sea.force else None
 
 
-def _forces(fit: Fit) -> Iterator[tuple[Array, Array]]:
+def wave_beside(fit: Fit) -> SlowForce | None:
+    """The same with the wave that the log shows most, where one stands out; None where none does, or no ambient force is declared.
+
+    A force of any spectrum may be a line, and one that is no sine has harmonics.
+    """
+    sea = fit.noise.predictor.vehicle.ambient
+    swell = tuple(c for c in fit.candidates if isinstance(c.effect.form, Harmonic) and c.effect.form.of != "flow")
+    if sea is None or not sea.force or not swell:
+        return None
+    _, scored = with_searched(replace(fit, candidates=swell), fit.projection)
+    best = max(scored, key=lambda s: s.fall, default=None)
+    if best is None or best.chance > RARE:
+        return None
+    numbers = dict(zip((p.part for p in best.candidate.effect.parameters), best.values, strict=True))
+    return SlowForce(fit, numbers["period"])
+
+
+def _forces(fit: Fit, period: float | None) -> Iterator[tuple[Array, Array]]:
     """Slow forces by axis, over the declared rms, and their signatures: ahead, sideways, in yaw, north and east."""
     s, sea = fit.signatures, fit.noise.predictor.vehicle.ambient
     assert sea is not None
     p = s.states.points
     c, sine = np.cos(p.psi), np.sin(p.psi)
-    begin, end = float(p.t.min()), float(p.t.max())
     none = np.zeros_like(p.t)
-    for k in range(HALF_WAVES + 1):
-        wave = (np.sqrt(2.0) if k else 1.0) * np.cos(np.pi * k * (p.t - begin) / max(end - begin, LEAST))
+    for wave in _waves(p.t, period):
         north, east = (wave * c, -wave * sine, none), (wave * sine, wave * c, none)
         for along in ((wave, none, none), (none, wave, none), (none, none, wave), north, east):
             force = np.stack(along)
             answer = s.force(force * np.array([[sea.force], [sea.force], [sea.moment]]))
             if np.any(answer):
                 yield force, answer
+
+
+def _waves(t: Array, period: float | None) -> Iterator[Array]:
+    """Shapes of the forces in time, of unit mean square over the log, shape of the times."""
+    begin, end = float(t.min()), float(t.max())
+    for k in range(HALF_WAVES + 1):
+        yield (np.sqrt(2.0) if k else 1.0) * np.cos(np.pi * k * (t - begin) / max(end - begin, LEAST))
+    if period is None:
+        return
+    for k in range(1, HARMONICS + 1):
+        for wave in (np.sin, np.cos):
+            yield np.sqrt(2.0) * wave(2.0 * np.pi * k * t / period)

@@ -34,7 +34,8 @@ LEAST_ARM: Final = 1e-3
 LEAST_TURN: Final = 1e-3
 BIAS: Final = "~bias."
 # First words of the names of errors with a bound of their own.
-FIXED: Final = ("~scale.", "~arm.", "~turn.")
+ARM: Final = "~arm."
+FIXED: Final = ("~scale.", ARM, "~turn.")
 # What a unit of each adds to the readings.
 _FIXED: Final[Mapping[str, Callable[[Mapping[str, Array]], dict[str, Array]]]] = {
     "~scale.velocity": lambda c: {"u": c["u"], "v": c["v"]},

@@ -165,9 +165,11 @@ def one_sided(f: Finding, h: Hypothesis) -> Finding:
         f: the finding.
         h: the extended model.
     """
+    if len(f.parameters) != 1:
+        return f
     none = EFFECTS[f.effect].parameters[0].none
     fitted = [g.values[0] for g in h.given if g.effect.id == f.effect] or [h.values[f.effect]]
-    if len(f.parameters) != 1 or len(fitted) != 1:
+    if len(fitted) != 1:
         return f
     ((name, b),) = f.parameters.items()
     cut = replace(b, lower=max(b.lower, none)) if fitted[0] > none else replace(b, upper=min(b.upper, none))

@@ -13,6 +13,7 @@ from ivsid.diagnosis.candidates.intervals import Bound
 from ivsid.diagnosis.null.leaving import FAR
 from ivsid.diagnosis.null.rule import Rule
 from ivsid.diagnosis.null.screening import FAINT
+from ivsid.diagnosis.null.visibility import VISIBLE
 from ivsid.effects import Effect
 
 # A cause is named only if its fall exceeds this multiple of the unexplained chi-squared, where unexplained structure is left.
@@ -58,25 +59,34 @@ class Held:
 
     @property
     def there(self) -> bool:
-        """Whether its only number is none beside no declared errors inside their bounds.
+        """Whether its only number, or a sum of its sizes, is none beside no declared errors inside their bounds.
 
         Chi-squared is minimised over all of them together there. The interval takes the worst of them for the number and not for the log, and is wider.
         """
-        return len(self.effect.parameters) == 1 and self.beside >= TOLD
+        if len(self.effect.parameters) == 1:
+            return self.beside >= TOLD
+        return len(self._sizes) > 1 and self.beside >= VISIBLE
 
     @property
     def distance(self) -> float:
-        """Largest distance of "no effect" from the intervals of the only size and of the shape beside it, in half-widths beyond their ends.
-
-        It is infinite for several sizes, a sum of which may be told where none of them is.
-        """
-        numbers = list(zip(self.effect.parts, self.effect.parameters, strict=True))
+        """Largest distance of "no effect" from the intervals of the sizes, or of an only one and the shape beside it, in half-widths beyond their ends."""
+        numbers = dict(zip(self.effect.parts, self.effect.parameters, strict=True))
         # A time alone is no sign: a step of any size has one.
-        asked = numbers if len(numbers) == 1 else [(n, p) for n, p in numbers if p.draw in ("size", "fixed")]
-        sizes = sum(p.draw == "size" for _, p in asked)
-        if (len(numbers) > 1 and sizes != 1) or any(name not in self.parameters for name, _ in asked):
+        asked = self._sizes
+        if len(numbers) == 1:
+            asked = tuple(numbers)
+        elif len(asked) == 1:
+            asked = tuple(n for n, p in numbers.items() if p.draw in ("size", "fixed"))
+        if not asked or any(name not in self.parameters for name in asked):
             return float("inf")
-        return max(self._beyond(self.parameters[name], p.none) for name, p in asked)
+        return max(self._beyond(self.parameters[name], numbers[name].none) for name in asked)
+
+    @property
+    def _sizes(self) -> tuple[str, ...]:
+        """Names of its sizes; the components of a vector are sizes, and those of a place beside one are none."""
+        drawn = [p.draw for p in self.effect.parameters]
+        told = ("size",) if "size" in drawn else ("north", "east")
+        return tuple(n for n, draw in zip(self.effect.parts, drawn, strict=True) if draw in told)
 
     def _beyond(self, bound: Bound, none: float) -> float:
         said = bound.lower, bound.upper
@@ -98,11 +108,12 @@ DOMINANT_RULE: Final = Rule[Held](
 )
 EXCLUDES: Final = Rule[Held](
     "excludes no effect",
-    "distance of the value without effect from the intervals of the only size and of the shape beside it, in half-widths, the largest",
+    "distance of the value without effect from the intervals of the sizes, or of an only one and the shape beside it, in half-widths, the largest",
     "above 0",
     "Numbers that may all be none name nothing. A size that may be none with a shape that is told, as of a hump at a certain speed, does. Where structure is left, the interval is the one beside it, without what hides in it. A cause that stands "
     "out of declared errors inside their bounds, and not out of their priors, has its interval from the priors alone, and is not asked. Nor is one with a single number that "
-    f"stands {TOLD:g} standard deviations out of the worst of them: its interval takes those that move the number most, whether the log allows them or not.",
+    f"stands {TOLD:g} standard deviations out of the worst of them, or one of several sizes that does by {VISIBLE:g}, since a sum of them may be told where "
+    "none of them is: its interval takes those that move the number most, whether the log allows them or not.",
     "definition",
     lambda c: c.distance,
     lambda _: 5e-324,

@@ -4,10 +4,11 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from tests.exam.cases import case
 
-from diagnosis_logs import logs_of, train_of, vehicle_of
+from diagnosis_logs import logs_of, logs_of_case, train_of, vehicle_of
 from ivsid import diagnose
-from ivsid.diagnosis import extended_vehicle, lost
+from ivsid.diagnosis import extended_vehicle, lost, stages
 from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.selection.verdict import OF_FORCES, Left
 from ivsid.diagnosis.statements.carried import failure, in_their_place
@@ -71,6 +72,42 @@ def test_a_model_that_diverges_names_nothing_and_has_no_factor():
     assert failure(gain((12.0, None)), [CAUSE], fails, complete=True) is None
 
 
+@pytest.mark.parametrize(("chance", "said"), [(0.5, ()), (1e-9, ("unknown",))])
+def test_causes_that_the_other_log_refutes_leave_nothing_where_the_first_does_not_ask_for_them(chance, said):
+    """The causes stand in the fit of the first log; what it holds without them decides."""
+    before = replace(REST, chance=chance, chance_of_one=chance)
+    left = Left(replace(REST, chance=1.0, chance_of_one=1.0), before, 1)
+    proof = SimpleNamespace(refuted=False, status="not_refuted", record=dict)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stages, "lasting", lambda *_: 0.5)
+        rest, complete, findings = stages._without(
+            (CAUSE,), gain(X=3.0), SimpleNamespace(found=()), left, (proof, None, None), complete=True
+        )
+        assert tuple(f.effect for f in findings) == said and complete
+        assert rest.after is (left.after if said else before) and rest.before is before
+        # A proof that no numbers explain the rows asks for a cause, whatever the statistics.
+        patch.setattr(stages, "lasting", lambda *_: 1.5)
+        assert stages._without(
+            (CAUSE,), gain(X=3.0), SimpleNamespace(found=()), left, (proof, None, None), complete=True
+        )[2]
+
+
+# Nightly: a whole diagnosis, and a second one without the rule.
+@pytest.mark.nightly
+def test_gusts_that_push_and_turn_at_once_leave_no_unknown(monkeypatch):
+    """An asymmetry by errors that leave their bounds diverges on the other log, and the first one holds no structure without it."""
+    c = case(250110, what="none", sea="at once", sensors="any")
+    vehicle, logs = parse_vehicle(c.text, "v.toml"), logs_of_case(c)
+    found = diagnose(vehicle, *logs)
+    assert found.verdict == "adequate" and found.withdrawn["thruster.asymmetry"].rule == "stays finite"
+    monkeypatch.setattr(
+        stages,
+        "_without",
+        lambda f, g, s, rest, _, complete: (rest, complete, (in_their_place(g, f, rest.after, [], complete=complete),)),
+    )
+    assert diagnose(vehicle, *logs).verdict == "unknown"
+
+
 def test_an_unknown_says_both_readings():
     made = in_their_place(gain(X=3.0, u=1.1), [CAUSE], REST, ["drag.surge.linear"], complete=True)
     assert made.effect == "unknown" and made.evidence["z"] == 12.0
@@ -119,7 +156,7 @@ def test_a_current_that_turns_round_between_the_logs_is_not_named():
     made = diagnose(vehicle, train, test)
     assert made.verdict == "unknown" and "the logs differ" in made.findings[0].description
     assert set(made.model.values) == set(made.selection.plain.h.values) and not made.model.given
-    assert made.withdrawn["current.steady"].rule == "carries over"
+    assert made.withdrawn["current.steady"].rule == "stays finite"
 
 
 def test_what_is_left_of_much_structure_is_not_little_on_a_straight_run():

@@ -38,7 +38,7 @@ from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.claims import claims
 from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.diagnosis.statements.diagnosis import Diagnosis, inputs_of
-from ivsid.diagnosis.statements.findings import findings_of, nameless, shallow, verdict_of, weighed
+from ivsid.diagnosis.statements.findings import Finding, findings_of, nameless, shallow, verdict_of, weighed
 from ivsid.diagnosis.statements.hints import hints
 from ivsid.diagnosis.statements.motion import motion_of, sentences
 from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
@@ -132,12 +132,12 @@ def diagnose(
     progress("trying both models on the other log")
     water = shoaling.result()
     gain, shown = trial.result()
-    shoal = water is not None and water.factor is not None
+    shoal = water if water is not None and water.factor is not None else None
     # Masses that differ between the logs are a reason to fail on the other one.
-    if not shoal and (refusal := failure(gain, findings, trial.with_thrusts, complete=complete)) is not None:
+    if shoal is None and (refusal := failure(gain, findings, trial.with_thrusts, complete=complete)) is not None:
         withdrawn = {**withdrawn, **{i: refusal for f in findings for i in (f.effect, *f.alternatives)}}
         extended = None
-        findings = (in_their_place(gain, findings, rest.after, [f.id for f in selection.found], complete=complete),)
+        rest, complete, findings = _without(findings, gain, selection, rest, (proof, vehicle, train), complete=complete)
         trial = trial.of(())
         gain, shown = trial.result()
     else:
@@ -160,11 +160,9 @@ def diagnose(
         findings,
         unknown=rest.after if not rest.after.certain or complete != rest.sufficient else None,
     )
-    if water is not None and water.factor is not None:
-        findings = (*findings, shallow(water))
     visible = _limited(visible, limits.result())
     motion = (() if moving is None else moving.result()) if motion is None else motion
-    findings = weighed(findings, shown)
+    findings = weighed(findings if shoal is None else (*findings, shallow(shoal)), shown)
     verdict = verdict_of(findings)
     said = [
         n
@@ -277,6 +275,24 @@ def _judged(fit: Fit, proof: Proof, train: Log, test: Log) -> tuple[Adequacy, tu
     """Adequacy of the model as it was, and the motion that it allows, or None: an adequate model is asked by its rows alone."""
     before = adequacy(fit)
     return before, None if before.quiet else motion_of(proof, train, test)
+
+
+def _without(
+    findings: tuple[Finding, ...],
+    gain: Gain,
+    selection: Selection,
+    rest: Left,
+    log: tuple[Proof, Vehicle, Log],
+    *,
+    complete: bool,
+) -> tuple[Left, bool, tuple[Finding, ...]]:
+    """What is left, whether that is little enough, and the findings, where the other log refutes all causes."""
+    bare = replace(rest, after=rest.before, findings=0)
+    if _complete(bare, *log):
+        # Causes that the first log does not ask for and the other one refutes are nothing.
+        return bare, True, ()
+    one = in_their_place(gain, findings, rest.after, [f.id for f in selection.found], complete=complete)
+    return rest, complete, (one,)
 
 
 def _complete(left: Left, proof: Proof, vehicle: Vehicle, train: Log) -> bool:

@@ -146,6 +146,34 @@ PROOFS = (
         "test_slow_force.py",
     ),
     python(
+        "arms asked where yaw is left out",
+        "diagnosis/null/leaving.py",
+        "    if fit.noise.left_out:\n",
+        "    if False:\n",
+        "test_leaving.py",
+    ),
+    python(
+        "waves of a frequency alone",
+        "diagnosis/null/slow_force.py",
+        "    for k in range(1, HARMONICS + 1):\n",
+        "    for k in range(1, 2):\n",
+        "test_slow_force.py",
+    ),
+    python(
+        "several sizes that may be none name a cause",
+        "diagnosis/statements/rules.py",
+        "len(self._sizes) > 1 and self.beside >= VISIBLE",
+        "len(self._sizes) > 1",
+        "test_findings.py",
+    ),
+    python(
+        "unknown where the first log asks for nothing",
+        "diagnosis/stages.py",
+        "    if _complete(bare, *log):\n",
+        "    if False:\n",
+        "test_carried.py",
+    ),
+    python(
         "noise of whatever exceeds the declared slow force",
         "diagnosis/null/slow_force.py",
         "return None if self.beyond else",
@@ -218,8 +246,8 @@ PROOFS = (
     python(
         "sizes that may be none",
         "diagnosis/statements/rules.py",
-        'p.draw in ("size", "fixed")]',
-        'p.draw == "none"]',
+        'if p.draw in ("size", "fixed"))',
+        'if p.draw == "none")',
         "test_findings.py",
     ),
     python(

@@ -1,5 +1,6 @@
 """Rows do not depend on the pieces that they are made in, bit for bit; nor do a lag and a signed square on how they are worked out."""
 
+import weakref
 from dataclasses import replace
 from importlib.resources import files
 
@@ -238,3 +239,14 @@ def test_an_interrupt_in_a_piece_is_raised_when_no_thread_works_any_more(monkeyp
     with pytest.raises(KeyboardInterrupt):
         pieces.over_pieces(pieces.pieces(12, 1), work)
     assert sorted(done) == [k for k in range(12) if k != 3]
+
+
+def test_no_thread_holds_the_memory_of_the_work_when_it_is_done(monkeypatch):
+    """Rows that were given back lay in memory until a thread that was still about to end had gone."""
+    monkeypatch.setattr("ivsid.memory.pieces.processors", lambda: 4)
+    for _ in range(200):
+        held = np.ones(64)
+        kept = weakref.ref(held)
+        pieces.over_pieces(pieces.pieces(held.size, 4), lambda part, held=held: held[part].sum())
+        del held
+        assert kept() is None

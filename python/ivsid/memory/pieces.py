@@ -52,7 +52,6 @@ def over_pieces(parts: list[slice], work: Callable[[slice], _T]) -> list[_T]:
     found: dict[int, _T] = {}
     failed: dict[int, BaseException] = {}
     left = deque(range(len(parts)))
-    done: SimpleQueue[int] = SimpleQueue()
 
     def share() -> None:
         while True:
@@ -65,18 +64,30 @@ def over_pieces(parts: list[slice], work: Callable[[slice], _T]) -> list[_T]:
             except BaseException as error:
                 # An interrupt is raised as well, when no thread works on the pieces any more.
                 failed[k] = error
-            done.put(k)
 
+    waiting, ended = deque([share] * helpers), SimpleQueue[None]()
     for _ in range(helpers):
         # A thread of the module threading is waited for until it runs. Where none can be had, this one does all the work.
         with suppress(RuntimeError):
-            start_new_thread(share, ())
+            start_new_thread(_helped, (waiting, ended))
     share()
-    for _ in parts:
-        done.get()
+    begun = helpers
+    with suppress(IndexError):
+        # One that begins later finds nothing to do, and holds none of the work's memory.
+        while True:
+            waiting.popleft()
+            begun -= 1
+    for _ in range(begun):
+        ended.get()
     if failed:
         raise failed[min(failed)]
     return [found[k] for k in range(len(parts))]
+
+
+def _helped(waiting: deque[Callable[[], None]], ended: SimpleQueue[None]) -> None:
+    with suppress(IndexError):
+        waiting.popleft()()
+        ended.put(None)
 
 
 def array_pieces(rows: int, work: Callable[[slice], NDArray[_N]]) -> NDArray[_N]:

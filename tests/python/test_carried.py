@@ -80,14 +80,14 @@ def test_causes_that_the_other_log_refutes_leave_nothing_where_the_first_does_no
     proof = SimpleNamespace(refuted=False, status="not_refuted", record=dict)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stages, "lasting", lambda *_: 0.5)
-        rest, complete, findings = stages._without(
+        rest, complete, findings = stages._refuted(
             (CAUSE,), gain(X=3.0), SimpleNamespace(found=()), left, (proof, None, None), complete=True
         )
         assert tuple(f.effect for f in findings) == said and complete
         assert rest.after is (left.after if said else before) and rest.before is before
         # A proof that no numbers explain the rows asks for a cause, whatever the statistics.
         patch.setattr(stages, "lasting", lambda *_: 1.5)
-        assert stages._without(
+        assert stages._refuted(
             (CAUSE,), gain(X=3.0), SimpleNamespace(found=()), left, (proof, None, None), complete=True
         )[2]
 
@@ -102,7 +102,7 @@ def test_gusts_that_push_and_turn_at_once_leave_no_unknown(monkeypatch):
     assert found.verdict == "adequate" and found.withdrawn["thruster.asymmetry"].rule == "stays finite"
     monkeypatch.setattr(
         stages,
-        "_without",
+        "_refuted",
         lambda f, g, s, rest, _, complete: (rest, complete, (in_their_place(g, f, rest.after, [], complete=complete),)),
     )
     assert diagnose(vehicle, *logs).verdict == "unknown"
@@ -156,7 +156,7 @@ def test_a_current_that_turns_round_between_the_logs_is_not_named():
     made = diagnose(vehicle, train, test)
     assert made.verdict == "unknown" and "the logs differ" in made.findings[0].description
     assert set(made.model.values) == set(made.selection.plain.h.values) and not made.model.given
-    assert made.withdrawn["current.steady"].rule == "stays finite"
+    assert made.withdrawn["current.steady"].rule == "carries over"
 
 
 def test_what_is_left_of_much_structure_is_not_little_on_a_straight_run():

@@ -46,6 +46,7 @@ def run(
         from ivsid.files import places, records  # noqa: PLC0415
         from ivsid.report import page  # noqa: PLC0415
 
+        # A command is loaded when it is first asked for.
         getattr(workflow, command, None)
     apart = apart or {}
     folder = out if out is not None else Path(f"ivsid-{command}")

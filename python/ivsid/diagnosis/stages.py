@@ -137,7 +137,7 @@ def diagnose(
     if shoal is None and (refusal := failure(gain, findings, trial.with_thrusts, complete=complete)) is not None:
         withdrawn = {**withdrawn, **{i: refusal for f in findings for i in (f.effect, *f.alternatives)}}
         extended = None
-        rest, complete, findings = _without(findings, gain, selection, rest, (proof, vehicle, train), complete=complete)
+        rest, complete, findings = _refuted(findings, gain, selection, rest, (proof, vehicle, train), complete=complete)
         trial = trial.of(())
         gain, shown = trial.result()
     else:
@@ -277,7 +277,7 @@ def _judged(fit: Fit, proof: Proof, train: Log, test: Log) -> tuple[Adequacy, tu
     return before, None if before.quiet else motion_of(proof, train, test)
 
 
-def _without(
+def _refuted(
     findings: tuple[Finding, ...],
     gain: Gain,
     selection: Selection,

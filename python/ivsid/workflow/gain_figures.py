@@ -12,7 +12,7 @@ from ivsid.intervals.apart import Apart, Prepared
 from ivsid.report import figures
 from ivsid.report.figures import Drawing
 
-# What is drawn of a gain, in the order of the report, by process: each loads Matplotlib and its fonts, and the statements need a processor as well.
+# What is drawn of a gain, in the order of the report, by process: the first loads Matplotlib and its fonts, the second is a copy of it, and the statements need a processor as well.
 DRAWN: Final[tuple[tuple[Callable[[Gain], Drawing], ...], ...]] = (
     (figures.net_force, figures.gain),
     (figures.force_residual,),
@@ -22,7 +22,7 @@ DRAWN: Final[tuple[tuple[Callable[[Gain], Drawing], ...], ...]] = (
 class GainFigures:
     """Forces, gain and missing forces on the other log.
 
-    Called with the gain of a model, it begins to draw that one's. Its processes load Matplotlib and its fonts while the model is fitted.
+    Called with the gain of a model, it begins to draw that one's. Its processes are ready when the model is fitted: the first loads Matplotlib and its fonts, and the others are copies of it.
     """
 
     def __init__(self) -> None:

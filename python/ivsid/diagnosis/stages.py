@@ -154,12 +154,9 @@ def diagnose(
                 ),
             )
         )
-    claimed = claims(
-        selection.last,
-        selection.leftover,
-        findings,
-        unknown=rest.after if not rest.after.certain or complete != rest.sufficient else None,
-    )
+    # The last fit holds causes that the other log refutes, and what they took is none of the claims' own.
+    alone = rest.after.certain and complete == rest.sufficient and not (selection.found and rest.after is rest.before)
+    claimed = claims(selection.last, selection.leftover, findings, unknown=None if alone else rest.after)
     visible = _limited(visible, limits.result())
     motion = (() if moving is None else moving.result()) if motion is None else motion
     findings = weighed(findings if shoal is None else (*findings, shallow(shoal)), shown)

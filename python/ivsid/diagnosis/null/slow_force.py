@@ -2,7 +2,8 @@
 
 An ambient force may have any spectrum, and the whitening knows a few seconds of it. A force that changes over minutes looks like a place, a heading, a
 time or an offset. Cosines over the log along the hull and over ground hold what is slower than a few periods a log. Each has the declared rms as its prior,
-and their sum along an axis of the hull is no larger than that: what a log asks for beyond it stays with the causes.
+and their sum along an axis of the hull is no larger than that: what a log asks for beyond it stays with the causes. A wave that a log shows may stand among them,
+with its harmonics.
 
 Source: docs/theory.md, "Slow forces"; the cosines are those of the discrete cosine transform, Rao and Yip, 1990, and the bound
 is kept by multipliers, Boyd and Vandenberghe, Convex Optimization, 2004, section 5.5.

@@ -13,10 +13,11 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.fit import Fit, Search, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.noise import Noise
 from ivsid.diagnosis.estimation.problem import Problem
+from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.prediction.innovations import Predictor
 
 # Fall of chi-squared from which on angles are taken to run.
@@ -31,11 +32,15 @@ RUNS: Final = (
 PASSES: Final = 4
 
 
-def run(fit: Fit) -> bool:
-    """Whether a log whose angles hold is followed better by angles that run on straight lines.
+def run(fit: Fit, search: Search) -> bool:
+    """Whether a log whose angles hold is followed better by angles that run on straight lines, by themselves and beside every cause.
+
+    An angle that runs is half a row late beside one that holds, and so is the thrust of a shaft that lags: what a cause explains says
+    nothing of angles.
 
     Args:
         fit: of the model to the log, with angles that hold.
+        search: adds the columns of searched causes.
     """
     predictor, noise = fit.noise.predictor, fit.noise
     log = predictor.log
@@ -54,7 +59,16 @@ def run(fit: Fit) -> bool:
         states = other.settle(other.start(fit.h), PASSES)
         states = improve(Problem.at(there, fit.fixed, states), states)
         gained = fit.problem.chi2(fit.states) - Problem.at(there, fit.fixed, states).chi2(states)
+        if gained <= COUNTS:
+            return False
+        beside = _beside_all(search(fit)) - _beside_all(search(survey(there, states, fit.fixed)))
     except (np.linalg.LinAlgError, ValueError, FloatingPointError):
         # Numbers that follow the log with angles that hold stand.
         return False
-    return bool(gained > COUNTS)
+    return bool(beside > COUNTS)
+
+
+def _beside_all(fit: Fit) -> float:
+    """Chi-squared that is left beside the columns of every cause."""
+    none = Projection(fit.gram, [])
+    return none.energy - none.solve(range(len(fit.gram.names)))[1]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeAlias
 
 from ivsid.diagnosis.estimation.candidate_columns import candidate_columns
 from ivsid.diagnosis.estimation.cross_products import Gram, gram
@@ -58,6 +59,10 @@ class Fit:
     def problem(self) -> Problem:
         """The log as it is for other hypotheses, with the signatures of the declared errors at this one."""
         return Problem.at(self.noise, self.fixed, self.states)
+
+
+# A search adds the columns of waves, tethers and steps that explain most.
+Search: TypeAlias = Callable[[Fit], Fit]
 
 
 def survey(noise: Noise, states: FilteredStates, fixed: Mapping[str, float], only: frozenset[str] | None = None) -> Fit:

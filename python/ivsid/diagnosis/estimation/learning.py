@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Final, TypeAlias
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.angles import RUNS, run
 from ivsid.diagnosis.estimation.first_values import first_values, with_fitted
-from ivsid.diagnosis.estimation.fit import Fit, survey
+from ivsid.diagnosis.estimation.fit import Fit, Search, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.noise import (
     YAW,
@@ -45,8 +45,6 @@ LEAST: Final = 40.0
 # Share by which hulls of one mass and length differ: a number that a log without turning determines less well is stated as that of a usual hull.
 # Source: physics: the water that moves along sideways is 0.2 to 1 of the mass of slender and of full hulls
 HULLS_DIFFER: Final = 0.3
-# A search adds the columns of waves, tethers and steps that explain most.
-Search: TypeAlias = "Callable[[Fit], Fit]"
 
 
 def learn(
@@ -130,7 +128,7 @@ def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     try:
         with np.errstate(over="ignore", invalid="ignore"):
             fit = _plain(vehicle, log, search)
-            if not run(fit):
+            if not run(fit, search):
                 return fit
             return _plain(vehicle, replace(log, running=True, notes=(*log.notes, RUNS)), search)
     except (np.linalg.LinAlgError, ValueError, FloatingPointError) as error:

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from tests.exam.cases import case
 
-from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.angles import RUNS
 from ivsid.diagnosis.estimation.learning import plain_fit
@@ -135,3 +135,27 @@ def test_a_held_angle_of_the_examination_stays_held():
     vehicle = parse_vehicle(c.text, "vehicle.toml")
     log = Log("1.csv", "0" * 64, c.logs[0]["t"], {k: x for k, x in c.logs[0].items() if k != "t"})
     assert not plain_fit(vehicle, channels(log, vehicle), everything).noise.predictor.log.running
+
+
+def test_a_lag_of_the_shaft_is_no_angle_that_runs():
+    """Both come half a row late. A model whose angles ran beside the right lag had a delay of its velocities by name."""
+    c = case(252037, what="one", effect="thruster.shaft_lag", z=100.0, kind="azimuth", style="circle")
+    vehicle = parse_vehicle(c.text, "vehicle.toml")
+    log = Log("1.csv", "0" * 64, c.logs[0]["t"], {k: x for k, x in c.logs[0].items() if k != "t"})
+    assert not plain_fit(vehicle, channels(log, vehicle), everything).noise.predictor.log.running
+
+
+def test_a_heading_adds_up_what_a_running_angle_turns_inside_each_step():
+    """Without it the scale of an exact gyro was 7 standard deviations from one."""
+    fit = fitted(sailed(angle))
+    predictor = fit.noise.predictor
+    assert predictor.fine
+    scored = {q.id: q for q in score(fit)[1]}
+    assert scored["sensor.yaw_rate.scale"].fall < 9.0
+    # The oracle: angles that stand in the middle of each step, which is what steps as a whole know of them.
+    driving = predictor.driving
+    inside = driving.inside(fit.h, (0.25, 0.75))
+    t = predictor.log.t
+    for place, found in zip((0.25, 0.75), np.split(inside.angles[0], 2), strict=True):
+        assert found[5:-5] == pytest.approx(angle(t + place * H)[5:-5], abs=0.01)
+    assert np.split(inside.thrusts[0], 2)[0] == pytest.approx(driving.thrusts(fit.h)[0, predictor.log.n :])

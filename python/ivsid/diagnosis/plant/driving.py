@@ -126,15 +126,34 @@ class Driving:
             pushes.early, pushes.around = self._early(pushes.parts), self._around(pushes.parts, pushes.force)
         return pushes
 
-    def inside(self, h: Hypothesis) -> Inside | None:
-        """The thrusts over the parts of steps, if demands come faster than the clock."""
+    def inside(self, h: Hypothesis, at: Sequence[float]) -> Inside | None:
+        """The thrusts over the parts of steps, if demands come faster than the clock, or else at places where thrusts or angles run; None if all hold.
+
+        Args:
+            h: the hypothesis.
+            at: the places, in steps.
+        """
         between, parts = self.log.between, self._worked(h).parts
         if between is None or parts is None:
-            return None
+            return self._running(h, at)
         thrusts, angles, rudders = (_by_part(x) for x in (parts, between.angles, between.rudders))
         swing = np.cos(angles), np.sin(angles)
         sent = np.tile(self.sent[:, self.log.n :], parts.shape[2])
         return Inside(thrusts, angles, rudders, bollard_force(self.vehicle, thrusts, swing, sent), swing)
+
+    def _running(self, h: Hypothesis, at: Sequence[float]) -> Inside | None:
+        """Thrusts, angles and known forces at places in the steps, on straight lines from one sample to the next where they run."""
+        log, n = self.log, self.log.n
+        late = np.array([self.propulsion.runs(k, h.given) for k in range(len(self.vehicle.thrusters))], dtype=bool)
+        turning = log.running or not log.held
+        if not (turning or late.any()):
+            return None
+        thrusts = self._worked(h).thrusts
+        pushes = _on_lines(thrusts[:, n:], late[:, None] * _rise(thrusts[:, :n]), at)
+        angles, rudders = (_on_lines(x[:, n:], turning * _rise(x[:, :n]), at) for x in (self.turned, self.steered))
+        sent = _on_lines(self.sent[:, n:], (not log.held) * _rise(self.sent[:, :n]), at)
+        swing = np.cos(angles), np.sin(angles)
+        return Inside(pushes, angles, rudders, bollard_force(self.vehicle, pushes, swing, sent), swing)
 
     def _worked(self, h: Hypothesis) -> _Pushes:
         """The thrusts of a hypothesis, those of a call before if they are the same."""
@@ -194,6 +213,16 @@ class Driving:
             beside: the errors [N], shape (errors, m), of m demands from neutral in the order of time; the declared ones by default.
         """
         return self.propulsion.slopes(k, h.given, self._sizes(h, k), beside)
+
+
+def _rise(x: Array) -> Array:
+    """From each sample to the next, of the same shape."""
+    return np.diff(x, axis=1, append=x[:, -1:])
+
+
+def _on_lines(mean: Array, rise: Array, at: Sequence[float]) -> Array:
+    """Numbers at places in the steps, by their means over these and what they rise by: all of the first place, then all of the next."""
+    return np.concatenate([mean + (c - 0.5) * rise for c in at], axis=1)
 
 
 def _by_part(x: Array) -> Array:

@@ -133,9 +133,7 @@ class Propulsion:
         """
         h, thruster = self.log.h, self.vehicle.thrusters[k]
         changes = acting(with_stated(given, Thrust, thruster), Thrust)
-        late: dict[str, float] = {
-            r.kind: numbers[0] for r, numbers in acting(for_thruster(given, Response, thruster.name), Response)
-        }
+        late = _responses(thruster, given)
         lag, of_shaft = _lag(thruster, late)
         delay = max(late.get("delay", 0.0), 0.0)
 
@@ -185,6 +183,16 @@ class Propulsion:
         if lag > SHORTEST_LAG:
             now, mean, _ = _behind(now, mean, lag, h)
         return now, mean, None
+
+    def lag(self, k: int, given: Sequence[Given]) -> tuple[float, bool]:
+        """The time constant of a thruster under a hypothesis [s], 0 for one too short to count, and whether it is that of the demand."""
+        thruster = self.vehicle.thrusters[k]
+        time, of_shaft = _lag(thruster, _responses(thruster, given))
+        return (time if time > SHORTEST_LAG else 0.0), of_shaft
+
+    def runs(self, k: int, given: Sequence[Given]) -> bool:
+        """Whether the thrust of a thruster runs from one sample to the next: its demands do, or it lags."""
+        return not self.log.held or self.lag(k, given)[0] > 0.0
 
     def _clock(self, parts: int) -> tuple[Array, Array | None]:
         """Times [s] and voltages at equal parts of the steps, shape (n parts,)."""
@@ -262,6 +270,11 @@ class Propulsion:
                 now, mean, _ = _behind(now, mean, lag, h)
         fine = mean.reshape(*mean.shape[:-1], mean.shape[-1] // parts, parts)
         return self.log.between.sampled(now), self.log.between.mean(fine), fine
+
+
+def _responses(thruster: Thruster, given: Sequence[Given]) -> dict[str, float]:
+    """Times [s] of the responses of a thruster, by kind."""
+    return {r.kind: numbers[0] for r, numbers in acting(for_thruster(given, Response, thruster.name), Response)}
 
 
 def _lag(thruster: Thruster, late: Mapping[str, float]) -> tuple[float, bool]:

@@ -181,7 +181,8 @@ class StateFilter:
         """Whether the middles of the steps are wrong by more than a share of what the sensors tell of the velocities or of the heading."""
         good, h = self.log.good, self.log.h
         velocity = h * np.sqrt(np.mean((within.mean - middle)[:, good] ** 2, axis=1))
-        turned = h**2 * float(np.sqrt(np.mean(within.moment[2, good] ** 2)))
+        # A heading adds up what each step turns beyond its share.
+        turned = h**2 * float(np.std(np.cumsum(within.moment[2])[good]))
         told = self.log.noise.get("psi", np.inf) if self.log.psi is not None else np.inf
         return turned > COARSE * told or any(x > COARSE * k.spread for x, k in zip(velocity, self.axes, strict=False))
 
@@ -195,7 +196,8 @@ class StateFilter:
 
     def _inside(self, h: Hypothesis, points: Points, carried: Carried) -> InsideSteps:
         """Accelerations inside the steps, by those of the pass before."""
-        places, driven = Places.of(self.log.between), self.driving.inside(h)
+        places = Places.of(self.log.between)
+        driven = self.driving.inside(h, places.at)
         nu = np.concatenate([self._inside_reach(carried.velocity(c), c) for c in places.at], axis=1)
         psi = np.concatenate([carried.heading(c) for c in places.at])
         t = np.concatenate([np.asarray(self.log.t) + c * self.log.h for c in places.at])

@@ -363,4 +363,32 @@ PROOFS = (
         "quotient",
         "rounding",
     ),
+    python(
+        "angles run beside no cause",
+        "diagnosis/estimation/angles.py",
+        "return bool(beside > COUNTS)",
+        "return True",
+        "test_angles.py",
+    ),
+    python(
+        "angles stand inside steps",
+        "diagnosis/plant/driving.py",
+        "mean + (c - 0.5) * rise",
+        "mean + 0.0 * rise",
+        "test_angles.py",
+    ),
+    python(
+        "plays that follow no end of the slot",
+        "diagnosis/plant/hysteresis.py",
+        "low[after], high[after]",
+        "low[after], high[before]",
+        "test_hysteresis.py",
+    ),
+    python(
+        "least kind of thrust error",
+        "diagnosis/null/any_curve.py",
+        "total + np.max(",
+        "total + np.min(",
+        "test_any_curve.py",
+    ),
 )

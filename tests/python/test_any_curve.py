@@ -11,12 +11,13 @@ from scipy.optimize import lsq_linear, minimize
 from scipy.stats import chi2
 from tests.exam.draw import case
 
-from diagnosis_logs import screened, train_of, vehicle_of
+from diagnosis_logs import TABLE, TWIN, screened, train_of, vehicle_of
 from ivsid.diagnosis.candidates.intervals import intervals
 from ivsid.diagnosis.estimation.declared_errors import through_water, thrust_answers
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import AnyCurve, _places, beyond, lost
+from ivsid.diagnosis.null.any_curve import AnyCurve, beyond, lost
 from ivsid.diagnosis.null.boxed import OVERSHOOT, Boxed
+from ivsid.diagnosis.null.curve_errors import _places
 from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.directions import Directions
 from ivsid.diagnosis.null.reached import Reached
@@ -75,8 +76,8 @@ def test_the_distance_from_all_curves_is_the_least_of_any_curve(wrong):
     reached, g = Reached(free), free.g
     knots = [k for k, n in enumerate(g.names) if n.startswith(("~thrust.", "~hysteresis."))]
     cells = [k for k, n in enumerate(g.names) if n.startswith("~cell.")]
-    inflows = [k for k, n in enumerate(g.names) if n.startswith("~inflow.")]
-    others = [k for k in range(len(g.names)) if k not in {*knots, *cells, *inflows}]
+    beyond_demand = [k for k, n in enumerate(g.names) if n.startswith(("~inflow.", "~late.", "~stop."))]
+    others = [k for k in range(len(g.names)) if k not in {*knots, *cells, *beyond_demand}]
     total, score = g.blocks.sum(axis=0), g.score.sum(axis=0)
     whole = (
         score
@@ -122,30 +123,44 @@ def test_no_cell_holds_much_of_a_demand_that_is_kept():
     assert max(widths) <= 1.001 * np.ptp(demand) / 24
 
 
+def kinds(free):
+    """First words of the errors of each thruster that share one bound: by demand, by inflow, and by each play."""
+    names = [free.g.names[k] for k in free.projection.base]
+    for thruster in free.fit.noise.predictor.vehicle.thrusters:
+        plays = [n for n in names if n.startswith(f"~stop.{thruster.name}.")]
+        assert len(plays) > 1
+        yield [f"~cell.{thruster.name}.", f"~inflow.{thruster.name}.", *plays]
+
+
 def weights(free, shares):
-    """What errors by demand and by inflow take of their bounds, if those by demand take these shares, by thruster; all others take the whole."""
+    """What errors of each kind take of the bound of their thruster, shares of one in the order of ``kinds``; all others take the whole."""
     names = [free.g.names[k] for k in free.projection.base]
     taken = np.ones(len(names))
-    for thruster, share in zip(free.fit.noise.predictor.vehicle.thrusters, shares, strict=True):
+    for own, each in zip(kinds(free), shares, strict=True):
         for i, name in enumerate(names):
-            if name.startswith(f"~cell.{thruster.name}."):
-                taken[i] = share
-            if name.startswith(f"~inflow.{thruster.name}."):
-                taken[i] = 1 - share
+            for words, share in zip(own, each, strict=True):
+                if name.startswith(words):
+                    taken[i] = share
     assert taken.min() < 1
     return taken * free.box
 
 
+def drawn(free, rng):
+    """Errors of mixed kinds at their bounds, with drawn shares and signs."""
+    shares = [rng.dirichlet(np.full(len(own), 0.5)) for own in kinds(free)]
+    return weights(free, shares) * rng.choice([-1.0, 1.0], free.box.size)
+
+
 def ends(free):
-    """Errors by demand or by inflow alone, thruster by thruster, at their bounds."""
-    for shares in itertools.product((0.0, 1.0), repeat=len(free.fit.noise.predictor.vehicle.thrusters)):
+    """Errors of one kind alone, thruster by thruster, at their bounds."""
+    for shares in itertools.product(*(np.eye(len(own)) for own in kinds(free))):
         yield weights(free, shares)
 
 
 def test_detection_limits_leave_eight_deviations_beside_the_worst_errors(wrong):
     """Errors at the ends of their bounds, with drawn signs and with the worst ones, move the score of a cause by no more than the limit allows."""
     fit, rng = wrong.fit, np.random.default_rng(5)
-    limits, free, count = detection_limits(fit), AnyCurve(fit), len(fit.noise.predictor.vehicle.thrusters)
+    limits, free = detection_limits(fit), AnyCurve(fit)
     names = ["drag.surge.linear", "drag.yaw.linear", "thruster.curve"]
     p = Projection(free.joined(names), free.projection.base)
     plain = {i: next(iter(v.detectable.values())) for i, v in visibility(fit).items() if v.detectable}
@@ -158,7 +173,7 @@ def test_detection_limits_leave_eight_deviations_beside_the_worst_errors(wrong):
         worst = float(free.worst(moved))
         assert least * p.g.unit[j] * deviation - worst / deviation == pytest.approx(8.0, rel=1e-6)
         for _ in range(50):
-            errors = weights(free, rng.uniform(size=count)) * rng.choice([-1.0, 1.0], moved.size)
+            errors = drawn(free, rng)
             assert abs(moved @ errors) <= worst * (1 + 1e-12)
         assert worst == pytest.approx(max(np.abs(moved) @ errors for errors in ends(free)))
 
@@ -166,7 +181,7 @@ def test_detection_limits_leave_eight_deviations_beside_the_worst_errors(wrong):
 def test_an_interval_holds_its_number_beside_the_worst_curve(wrong):
     """Errors inside their bounds, with drawn signs and with the worst ones, move no number by more than its interval has room for."""
     fit, rng = wrong.fit, np.random.default_rng(5)
-    free, count = AnyCurve(fit), len(fit.noise.predictor.vehicle.thrusters)
+    free = AnyCurve(fit)
     p, reach = free.projection, free.reach()
     signs = np.sign(p.covariance * p.g.prior[p.base])
     for id_ in ("mass.surge", "drag.sway.quadratic"):
@@ -178,7 +193,7 @@ def test_an_interval_holds_its_number_beside_the_worst_curve(wrong):
             return np.linalg.solve(p.normal, p.total[np.ix_(p.base, p.base)] @ e)[i] / p.g.unit[i]
 
         for _ in range(20):
-            errors = weights(free, rng.uniform(size=count)) * rng.choice([-1.0, 1.0], free.box.size)
+            errors = drawn(free, rng)
             assert abs(moved(errors)) <= reach[id_].worst * (1 + 1e-6)
         assert max(abs(moved(e * signs[i])) for e in ends(free)) == pytest.approx(reach[id_].worst, rel=1e-4)
         own = intervals(fit, id_)[id_], intervals(fit, id_, curves=reach)[id_]
@@ -238,12 +253,24 @@ def test_a_cause_that_a_curve_inside_its_accuracy_makes_is_lost_and_a_strong_one
     strong = found.of("drag.yaw.linear")
     curves = AnyCurve(found.fit, found.fit.noise.predictor.propulsion.demands)
     assert Directions(curves).left(strong) > 0.3 * strong.fall
-    # Errors by inflow differ from side to side where the vehicle turns, as a drag in yaw does.
+    # Errors by inflow differ from side to side where the vehicle turns, as a drag in yaw does. Plays take more: 0.17 is left, and 0.23 was without.
     free = AnyCurve(found.fit)
-    assert Directions(free).left(strong) > 0.2 * strong.fall
+    assert Directions(free).left(strong) > 0.15 * strong.fall
     # Without any bound on the errors nothing is left of it.
     free.box = 1e6 * free.box
     assert Directions(free).left(strong) == 0.0
+
+
+def unlike(fit, free, error, relative, without):
+    """Share of a thrust error's signature that the base beside any curve does not follow, without errors whose names begin so."""
+    (answer,) = thrust_answers(fit.signatures, 0, error, relative)
+    g = fit.gram
+    column, _ = g.white.blocks([answer], g.good, g.length)
+    A = free.g.columns([k for k, n in enumerate(free.g.names) if not n.startswith(without)])
+    A = A.reshape(len(A), -1) / np.linalg.norm(A.reshape(len(A), -1), axis=1)[:, None]
+    b = column.reshape(-1)
+    q = np.linalg.lstsq(A.T, b, rcond=1e-9)[0]
+    return float(np.linalg.norm(b - A.T @ q) / np.linalg.norm(b))
 
 
 @pytest.mark.parametrize("bend", [lambda q: np.tanh(2 * q), lambda q: np.sin(3 * q), lambda q: -np.sign(q)])
@@ -259,15 +286,29 @@ def test_an_error_by_inflow_is_one_of_any_curve(bend):
     whole = s.predictor.driving.slopes(s.h, 0, lambda d: bound_of(vehicle.thrusters[0], curve, d)[None])
     error = whole * bend((speed - speed.mean()) / speed.std())
     assert np.any(error)
-    (answer,) = thrust_answers(s, 0, error, relative)
-    g = fit.gram
-    column, _ = g.white.blocks([answer], g.good, g.length)
-    left = []
-    for names in (free.g.names, [n for n in free.g.names if not n.startswith("~inflow.")]):
-        at = [k for k, n in enumerate(free.g.names) if n in names]
-        A = free.g.columns(at).reshape(len(at), -1)
-        b = column.reshape(-1)
-        scale = np.linalg.norm(A, axis=1)
-        q = np.linalg.lstsq((A / scale[:, None]).T, b, rcond=1e-9)[0]
-        left.append(float(np.linalg.norm(b - (A / scale[:, None]).T @ q) / np.linalg.norm(b)))
+    left = [unlike(fit, free, error, relative, without) for without in ("none", "~inflow.")]
     assert left[0] < 0.45 and left[0] < 0.7 * left[1]
+
+
+def test_an_error_by_inflow_comes_as_late_as_its_thrust():
+    """The thrust follows its goal with a lag, and the error is one of the goal: a sound outboard had a sway force of yaw by name."""
+    lag = 0.8
+    vehicle = vehicle_of(TWIN.replace(TABLE, f"{TABLE}\ntime_constant = {lag}"))
+    fit = screened(vehicle, train_of(vehicle, duration=160.0)).fit
+    free, s = AnyCurve(fit), fit.signatures
+    u, _, r = relative = through_water(s)
+    n, h = s.predictor.log.n, s.predictor.log.h
+    speed = (u - vehicle.thrusters[0].position[1] * r)[n:]
+    demand = s.predictor.propulsion.demands[0]
+    goal = bound_of(vehicle.thrusters[0], s.predictor.propulsion.curves[0], demand) * np.sin(
+        3 * (speed - speed.mean()) / speed.std()
+    )
+    # An exact step of the lag under a goal that holds, one after the other.
+    now, mean = np.empty(n), np.empty(n)
+    at, kept = goal[0], np.exp(-h / lag)
+    for i, q in enumerate(goal):
+        now[i], mean[i] = at, q + (at - q) * lag / h * (1 - kept)
+        at = q + (at - q) * kept
+    error = np.r_[now, mean][None]
+    left, other = (unlike(fit, free, error, relative, without) for without in ("none", "~late."))
+    assert left < 0.45 and left < 0.7 * other

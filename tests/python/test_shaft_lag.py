@@ -11,7 +11,7 @@ from ivsid.diagnosis.candidates.profile import SHARES, bracketed
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.declared_errors import through_water, thrust_answers
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.null.any_curve import cells
+from ivsid.diagnosis.null.curve_errors import curve_errors
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thrust_errors import bound_of
 from ivsid.effects import EFFECTS, Given
@@ -141,7 +141,7 @@ def test_cells_hold_all_demands_that_a_late_shaft_runs_through(late):
     text = TWIN.replace(TABLE, f'{SQUARE}\ntime_constant = {LAG}\nlag = "{late}"')
     vehicle = vehicle_of(text)
     fit = plain_fit(vehicle, channels(logs_of(vehicle, segments=STEPS, duration=70.0)[0], vehicle), everything)
-    s, made = fit.signatures, dict(cells(fit))
+    s, made = fit.signatures, dict(curve_errors(fit))
     predictor = s.predictor
     port = [v for n, v in made.items() if n.startswith("~cell.port.")]
 

@@ -1,8 +1,8 @@
 """Findings beside any thrust curve inside its accuracy, and whether a declared error leaves its bound.
 
 The declared errors of a fit follow a curve between few knots. Here the curve may jump: its error is free in each of many cells of demand, for
-rising and for falling demands apart, with the bound as its prior. Beside them stands an error that is linear between some speeds of the inflow along
-the thruster. What is left of a score is then held against the worst of all such curves.
+rising and for falling demands apart, with the bound as its prior. Beside them stand errors by the inflow and by plays (``null.curve_errors``).
+What is left of a score is then held against the worst of all such curves.
 
 Let s = w'y be the score of a direction beside the base, with y = A e + n, declared errors e inside the box |e_i| <= b_i, and noise n. The
 errors move s by at most W = sum_i |(A'w)_i| b_i, the support function of the box. If F is the fall of chi-squared along the direction that
@@ -16,7 +16,7 @@ Source: docs/theory.md, "Any thrust curve inside its accuracy"; Rockafellar, *Co
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -25,27 +25,14 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.candidates.intervals import Reach
 from ivsid.diagnosis.estimation.cross_products import Gram
-from ivsid.diagnosis.estimation.declared_errors import through_water, thrust_answers
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.estimation.signatures import Signatures
+from ivsid.diagnosis.null.curve_errors import curve_errors, kinds
 from ivsid.diagnosis.plant.declared_readings import FIXED, SCALE
-from ivsid.diagnosis.plant.thrust_errors import BOUNDED, bound_of, upward
-from ivsid.vehicle import Thruster
+from ivsid.diagnosis.plant.thrust_errors import BOUNDED
 
 Array = NDArray[np.float64]
-# Cells of all thrusters together.
-# Source: resource: a fifth of a gigabyte for a log of 600 s at 20 Hz
-CELLS: Final = 192
-# Cells of one thruster at most, for each direction of its demand.
-# Source: geometry: four cells between two knots of the declared errors
-MOST_CELLS: Final = 64
-# Speeds of the inflow along a thruster, with as many samples between any two, at which its error is free; it is linear between them.
-# Source: measured: beside six steps six effects were named at a third of their limits, beside eight speeds one; twelve and sixteen do no better
-INFLOWS: Final = 8
-# What the errors of a thrust follow.
-KINDS: Final = ("cell", "inflow")
 # Share of a bound that the prior of a declared error stands for, by the first words of its name.
 _SHARES: Final = {"~rudder.": BOUNDED, **dict.fromkeys(FIXED, SCALE)}
 # Correlation of two signatures from which on they are one.
@@ -63,7 +50,7 @@ DOUBT: Final = 0.05
 
 
 class AnyCurve:
-    """The base of a fit, with a free thrust error in each cell of demand beside it.
+    """The base of a fit, with free thrust errors of each kind beside it.
 
     Args:
         fit: of the log.
@@ -78,7 +65,7 @@ class AnyCurve:
 
     def __init__(self, fit: Fit, over: Sequence[Array] | None = None, finer: int = 1) -> None:
         self.fit = fit
-        found = list(cells(fit, over, finer))
+        found = list(curve_errors(fit, over, finer))
         # Further columns join when they are asked for: most candidates are never held against a curve.
         g = fit.gram.only(fit.base).whole()
         first = len(g.names)
@@ -97,23 +84,27 @@ class AnyCurve:
             for words, share in _SHARES.items():
                 if g.names[k].startswith(words):
                     self.box[i] = 1.0 / (np.sqrt(g.prior[k]) * share)
-        self._sums = [
-            tuple(_sum(found, len(fit.base), f"~{kind}.{t.name}.") for kind in KINDS) for t in _thrusters(fit)
+        names = [name for name, _ in found]
+        self._kinds = [
+            tuple(len(fit.base) + at for at in kinds(names, t.name)) for t in fit.noise.predictor.vehicle.thrusters
         ]
-        own = np.concatenate([*itertools.chain(*self._sums), np.zeros(0, dtype=np.int64)])
+        own = np.concatenate([*itertools.chain(*self._kinds), np.zeros(0, dtype=np.int64)])
         self._rest = np.setdiff1d(np.arange(self.box.size), own)
 
     def worst(self, moved: Array) -> Array:
         """Most that declared errors inside their bounds move some sums by, shape (...).
 
-        A thrust error follows the demand or the inflow, or is a mean of two that do: the worse of both counts.
+        A thrust error is of one kind, or a mean of several: the worst of them counts.
 
         Args:
             moved: of each sum by a unit of each error of the base, shape (base, ...).
         """
         by = np.abs(moved) * self.box.reshape(-1, *[1] * (moved.ndim - 1))
-        worse = sum(np.maximum(by[demand].sum(axis=0), by[inflow].sum(axis=0)) for demand, inflow in self._sums)
-        return np.asarray(by[self._rest].sum(axis=0) + worse)
+        total = by[self._rest].sum(axis=0)
+        for each in self._kinds:
+            if each:
+                total = total + np.max([by[at].sum(axis=0) for at in each], axis=0)
+        return np.asarray(total)
 
     def joined(self, names: Sequence[str]) -> Gram:
         """The cross-products with further columns of the fit, by name."""
@@ -141,8 +132,11 @@ class AnyCurve:
         """
         out = np.sign(moved) * self.box
         by = np.abs(moved) * self.box
-        for demand, inflow in self._sums:
-            out[inflow if by[demand].sum() >= by[inflow].sum() else demand] = 0.0
+        for each in self._kinds:
+            worst = max((float(by[at].sum()) for at in each), default=0.0)
+            for at in each:
+                if by[at].sum() < worst:
+                    out[at] = 0.0
         return np.asarray(out)
 
     def beside(self, s: Scored) -> tuple[Gram, list[int]]:
@@ -179,15 +173,6 @@ def is_declared(fit: Fit, s: Scored) -> bool:
     return bool(bounded) and float(np.abs(g.total[np.ix_(s.columns, bounded)]).max()) > SAME
 
 
-def _thrusters(fit: Fit) -> Sequence[Thruster]:
-    return fit.noise.predictor.vehicle.thrusters
-
-
-def _sum(found: Sequence[tuple[str, Array]], first: int, head: str) -> NDArray[np.int64]:
-    """Places in the base of the errors whose names begin alike."""
-    return np.array([first + i for i, (name, _) in enumerate(found) if name.startswith(head)], dtype=np.int64)
-
-
 def beyond(fall: float, worst: float) -> float:
     """Least fall of chi-squared that the noise alone has, where declared errors move the score by at most ``worst``."""
     return max(fall - worst, 0.0) ** 2 / fall if fall > 0 else 0.0
@@ -196,75 +181,3 @@ def beyond(fall: float, worst: float) -> float:
 def lost(fall: float, left: float) -> float:
     """Standard deviations of a score that are lost where of a fall of chi-squared another is left."""
     return max(float(np.sqrt(max(fall, 0.0)) - np.sqrt(left)), 0.0)
-
-
-def cells(fit: Fit, over: Sequence[Array] | None = None, finer: int = 1) -> Iterator[tuple[str, Array]]:
-    """Name and signature of a thrust error of one bound in each cell of demand that the log visits, and at each speed of the inflow.
-
-    Args:
-        fit: of the log.
-        over: demands of each thruster from its neutral over which the cells stand, without errors by the inflow; those of the log by default.
-        finer: multiple of the number of cells.
-    """
-    s = fit.signatures
-    propulsion = s.predictor.propulsion
-    thrusters = [k for k, e in enumerate(propulsion.errors) if len(e.spreads)]
-    relative = through_water(s)
-    for k in thrusters:
-        count = finer * min(MOST_CELLS, max(CELLS // (2 * len(thrusters)), 1))
-        place = _places((over or propulsion.demands)[k], count)
-        # A shaft that lags runs through demands that nobody sends.
-        thruster = s.predictor.vehicle.thrusters[k]
-        late = thruster.lag == "demand" and bool(thruster.time_constant)
-        visited = np.arange(2 * count) if late else np.unique(place(propulsion.demands[k]))
-        errors = s.predictor.driving.slopes(s.h, k, _in_cells(fit, k, place, visited))
-        name = thruster.name
-        for cell, answer in zip(visited, thrust_answers(s, k, errors, relative), strict=True):
-            if np.any(answer):
-                yield f"~cell.{name}.{cell}", answer
-        if over is not None:
-            # Two logs share the error of a demand, and the speeds of their inflow differ.
-            continue
-        speed = inflow(s, k, relative)
-        nodes = np.unique(np.quantile(speed, np.linspace(0.0, 1.0, INFLOWS)))
-        # The cells make up the whole of the demands, so that their sum is the bound everywhere.
-        whole = errors.sum(axis=0) * np.array([np.interp(speed, nodes, hat) for hat in np.eye(nodes.size)])
-        for j, answer in enumerate(thrust_answers(s, k, whole, relative)):
-            if np.any(answer):
-                yield f"~inflow.{name}.{j}", answer
-
-
-def inflow(s: Signatures, k: int, relative: tuple[Array, Array, Array]) -> Array:
-    """Velocity of the water along a thruster [m/s], shape (2 n,).
-
-    Args:
-        s: signatures at a hypothesis.
-        k: index of the thruster.
-        relative: u, v, r relative to the water.
-    """
-    (u, v, r), (x, y) = relative, s.predictor.vehicle.thrusters[k].position
-    angle = s.predictor.driving.turned[k]
-    return np.asarray((u - y * r) * np.cos(angle) + (v + x * r) * np.sin(angle))
-
-
-def _places(demand: Array, count: int) -> Callable[[Array], NDArray[np.int64]]:
-    """Cells of demands in the order of time: twice as many as ``count``, the second half for falling demands.
-
-    Half of the cells are equally wide, and the other half are equally full: where a demand is kept, the error may jump among its small changes.
-    """
-    even = np.linspace(demand.min(), demand.max(), count - count // 2 + 1)[1:-1]
-    full = np.quantile(demand, np.linspace(0.0, 1.0, count // 2 + 2)[1:-1])
-    edges = np.sort(np.r_[even, full])
-
-    def place(d: Array) -> NDArray[np.int64]:
-        return np.searchsorted(edges, d) + count * ~upward(d)
-
-    return place
-
-
-def _in_cells(
-    fit: Fit, k: int, place: Callable[[Array], NDArray[np.int64]], visited: NDArray[np.int64]
-) -> Callable[[Array], Array]:
-    """The errors [N] of one bound in each cell of a thruster's demands."""
-    vehicle, propulsion = fit.noise.predictor.vehicle, fit.noise.predictor.propulsion
-    return lambda d: bound_of(vehicle.thrusters[k], propulsion.curves[k], d) * (place(d) == visited[:, None])

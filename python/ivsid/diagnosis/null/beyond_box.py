@@ -18,6 +18,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from ivsid.diagnosis.null.any_curve import DETERMINED, LEAST, AnyCurve
 from ivsid.diagnosis.null.box_least_squares import inside_box
+from ivsid.diagnosis.null.curve_errors import BEYOND_DEMAND
 
 Array = NDArray[np.float64]
 # Shares of the bounds that errors by the demand have beside those by the inflow, where a cause at its size is held against errors inside the box.
@@ -110,4 +111,4 @@ class BeyondBox:
 
 def _share(name: str, split: float) -> float:
     """Share of its bound that a declared error has where errors of thrusts by the demand have a share ``split`` of theirs."""
-    return 1.0 - split if name.startswith("~inflow.") else split if name.startswith("~cell.") else 1.0
+    return 1.0 - split if name.startswith(BEYOND_DEMAND) else split if name.startswith("~cell.") else 1.0

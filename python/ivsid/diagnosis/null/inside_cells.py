@@ -1,4 +1,7 @@
-"""Causes that errors of a thrust curve inside one of the cells of ``any_curve`` may look like, and that have to stand beside more cells."""
+"""Causes that errors of a thrust curve inside one of the cells of ``any_curve`` may look like, and that have to stand beside more cells.
+
+Faint causes have to as well, whatever they are: among the errors inside many cells some look like any cause a little.
+"""
 
 from __future__ import annotations
 

@@ -20,6 +20,7 @@ from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.any_curve import DETERMINED, LEAST, AnyCurve
 from ivsid.diagnosis.null.beside import Beside
+from ivsid.diagnosis.null.curve_errors import BEYOND_DEMAND
 
 Array = NDArray[np.float64]
 
@@ -42,9 +43,9 @@ class Reached:
         self.free = free
         self.at = [k for k, n in enumerate(names) if n.startswith(("~thrust.", "~hysteresis."))]
         self.cells = [k for k, n in enumerate(names) if n.startswith("~cell.")]
-        # Free errors by inflow would take what errors by demand may not.
-        inflows = [k for k, n in enumerate(names) if n.startswith("~inflow.")]
-        self.others = [k for k in range(len(names)) if k not in {*self.at, *self.cells, *inflows}]
+        # Free errors by inflow or play would take what errors by demand may not.
+        beyond = [k for k, n in enumerate(names) if n.startswith(BEYOND_DEMAND)]
+        self.others = [k for k in range(len(names)) if k not in {*self.at, *self.cells, *beyond}]
         self.leaving, self.knots, self.other = 0.0, 0, other
         # A screening asks for a cause beside the accuracy, and again for what declared errors make of its score.
         self._known: dict[tuple[tuple[int, ...], int], float] = {}

@@ -99,7 +99,7 @@ class Round:
         """Fall of chi-squared of a family that no declared error inside its bound can make."""
         asked = (s.id, *s.columns), s.theta
         if asked not in self._left:
-            curve = self.finer_directions if inside_cells(self.fit, s) else self.directions
+            curve = self.finer_directions if s.fall < FORETOLD or inside_cells(self.fit, s) else self.directions
             self._left[asked] = s.fall if curve is None else curve.left(s)
         return self._left[asked]
 

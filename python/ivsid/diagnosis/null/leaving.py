@@ -19,6 +19,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve
 from ivsid.diagnosis.null.beside import Beside
 from ivsid.diagnosis.null.boxed import Boxed, Leaving, outside, readings
+from ivsid.diagnosis.null.inside_cells import CLOSER
 from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.slow_force import SlowForce, slow_force, wave_beside
@@ -28,10 +29,6 @@ from ivsid.diagnosis.plant.declared_readings import ARM
 # with their overshoot.
 # Source: measured: of 60 sound logs whose thrust errors fill their bounds one reached 2.1, and all curves inside the accuracy came to each of them
 FAR: Final = 2.0
-# Multiple of the cells of demand in which a thrust error may be another, where doubt is left.
-# Source: measured: errors that jump between their bounds every fortieth of the range left the zonotope of the usual cells by 352 and 609, for 80 knots, and
-# that of twice as many by 0 and 1; a force that repeats with the heading on a straight course left them by 137 and 90, for 39 knots
-CLOSER: Final = 2
 # An error of readings by name, what it gains outside of its bound, and the probability of that over all such errors.
 Misread: TypeAlias = "tuple[str, Leaving, float]"
 

@@ -19,7 +19,7 @@ from ivsid.diagnosis.null.any_curve import AnyCurve, is_declared, lost
 from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import Directions
 from ivsid.diagnosis.null.frequencies import Frequencies
-from ivsid.diagnosis.null.inside_cells import FINER, inside_cells
+from ivsid.diagnosis.null.inside_cells import CLOSER, FINER, inside_cells
 from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.slow_force import SlowForce, slow_force
@@ -60,6 +60,11 @@ class Round:
         return None if self.curve is None else Directions(self.curve)
 
     @cached_property
+    def closer_directions(self) -> Directions:
+        """The same with twice the cells, for faint causes."""
+        return Directions(AnyCurve(self.fit, finer=CLOSER))
+
+    @cached_property
     def finer_directions(self) -> Directions | None:
         """The same with more cells."""
         return None if self.curve is None else Directions(AnyCurve(self.fit, finer=FINER))
@@ -77,8 +82,12 @@ class Round:
     @cached_property
     def slow(self) -> SlowForce | None:
         """The base beside slow forces; None beside a strong cause, which they would follow, and where no ambient force is declared."""
-        strong = any(s.physical and s.shown >= FORETOLD for s in self.scored)
-        return None if strong else slow_force(self.fit)
+        return None if self.strong else slow_force(self.fit)
+
+    @cached_property
+    def strong(self) -> bool:
+        """Whether a cause stands out by 12 standard deviations, which is found first: fainter ones are asked again beside it."""
+        return any(s.physical and s.shown >= FORETOLD for s in self.scored)
 
     @cached_property
     def boxed(self) -> Boxed:
@@ -99,9 +108,13 @@ class Round:
         """Fall of chi-squared of a family that no declared error inside its bound can make."""
         asked = (s.id, *s.columns), s.theta
         if asked not in self._left:
-            curve = self.finer_directions if s.fall < FORETOLD or inside_cells(self.fit, s) else self.directions
+            curve = self.finer_directions if inside_cells(self.fit, s) else self.directions
             self._left[asked] = s.fall if curve is None else curve.left(s)
         return self._left[asked]
+
+    def faint(self, s: Scored) -> bool:
+        """Whether errors inside the usual cells may look like a cause by chance."""
+        return self.curve is not None and not self.strong and s.fall < FORETOLD and not inside_cells(self.fit, s)
 
     def free(self, s: Scored) -> float:
         """Merit of a family beside any thrust curve inside its accuracy: of an error in each cell of demand, with the bound as its prior."""
@@ -110,14 +123,18 @@ class Round:
         g, at = self.curve.beside(s)
         return replace(s, fall=Projection(g, self.curve.projection.base).solve(at)[1]).merit
 
-    def lost(self, s: Scored) -> float:
+    def lost(self, s: Scored, *, closer: bool = False) -> float:
         """Standard deviations of a score that declared errors inside their bounds may make.
 
         A fall stands beside all of them if the worst of them leaves it, or if it takes what no curve inside its accuracy reaches.
+
+        Args:
+            s: a family.
+            closer: whether errors may jump in twice as many cells.
         """
         if self.curve is None:
             return 0.0
-        left = max(min(self.left(s), s.fall), s.boxed)
+        left = max(min(self.closer_directions.left(s) if closer else self.left(s), s.fall), s.boxed)
         if self._kept <= self.chance:
             left = max(left, min(self.reached.of(s), s.fall))
         return lost(s.shown, left)

@@ -297,6 +297,19 @@ ANY_CURVE: Final = Rule[Case](
     "and {limit:.1g} is the limit",
     least=False,
 )
+CLOSER_CURVE: Final = Rule[Case](
+    "closer curve",
+    "the same beside errors that jump in twice as many cells of demand, of a cause below 12 standard deviations",
+    f"at most {WORST:g}",
+    "Errors that jump inside a cell are no constant share of their bound there. Many cells hold many such errors, and some look like any faint cause a little.",
+    "definition: the limit of any curve",
+    lambda c: chance_beside(replace(c.s, lost=c.round.lost(c.s, closer=True)), c.s.shown),
+    lambda _: WORST,
+    "errors inside the stated accuracies that jump more often may explain it: beside the worst of them its fall of chi² has probability {value:.1g}, "
+    "and {limit:.1g} is the limit",
+    lambda c: c.round.faint(c.s),
+    least=False,
+)
 SCREENING: Final = (
     VISIBLE_RULE,
     SIGHTED,
@@ -313,6 +326,7 @@ SCREENING: Final = (
     MINUTES,
     DECLARED_SEA,
     ANY_CURVE,
+    CLOSER_CURVE,
 )
 # Rules on what the log holds without a cause: beside that a full fit explains no more than a score does.
 IMITATED: Final = (FREQUENCIES, OWN_PAST, MINUTES)

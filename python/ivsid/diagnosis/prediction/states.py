@@ -30,6 +30,9 @@ REACH: Final = 1.0
 # Error of the middle of a step for its mean, in the filtered velocity's error, from which on accelerations are taken inside the steps.
 # Source: definition: ten thousand samples with it have a chi-squared of one
 COARSE: Final = 0.01
+# The same of what headings add up from step to step, in the noise of a heading.
+# Source: definition: ten thousand samples with it have a chi-squared of nine, of the 25 that count
+COARSE_HEADING: Final = 0.03
 
 
 class StateFilter:
@@ -184,7 +187,9 @@ class StateFilter:
         # A heading adds up what each step turns beyond its share.
         turned = h**2 * float(np.std(np.cumsum(within.moment[2])[good]))
         told = self.log.noise.get("psi", np.inf) if self.log.psi is not None else np.inf
-        return turned > COARSE * told or any(x > COARSE * k.spread for x, k in zip(velocity, self.axes, strict=False))
+        return turned > COARSE_HEADING * told or any(
+            x > COARSE * k.spread for x, k in zip(velocity, self.axes, strict=False)
+        )
 
     def _inside_reach(self, nu: Array, place: float) -> Array:
         """Velocities at a place in the steps, near measured ones, with the yaw rate of the sensors where that is the vehicle's."""

@@ -11,6 +11,7 @@ from ivsid import IntervalArray, IvsidError
 from ivsid.effects import terms_of
 from ivsid.log import Log
 from ivsid.rows import build_rows
+from ivsid.sensors import lever_arms
 from ivsid.sensors.bounds import bound_log
 from ivsid.sensors.mounting import force_at_origin, velocity_at_origin
 from ivsid.simulation import simulate
@@ -230,3 +231,32 @@ def test_an_averaged_gyro_is_widened_by_what_the_rate_can_move(swan, twin):
     )
     with pytest.raises(IvsidError, match="needs .*yaw_acceleration"):
         bound_log(as_log(twin), unbounded)
+
+
+def test_averaged_forces_off_the_origin_come_back_by_the_means_over_their_steps(swan):
+    """The oracle averages the formula of a rigid body over each step by fine sums; derivatives at samples were half a step late."""
+    h, fine = 0.05, 400
+    t = np.arange(0.0, 20.0, h)
+    inside = t[:, None] - h + (np.arange(fine) + 0.5) / fine * h
+    r, rdot = (
+        (lambda s: 0.8 * np.sin(3.0 * s) + 0.3 * np.cos(7.0 * s)),
+        (lambda s: 2.4 * np.cos(3.0 * s) - 2.1 * np.sin(7.0 * s)),
+    )
+    x, y = 0.05, -0.03
+    text = changed(
+        swan, ("[sensors.acceleration]\n", f'[sensors.acceleration]\nsampling = "averaged"\nposition = [{x}, {y}]\n')
+    )
+    ax, ay = 0.2 * np.sin(t), 0.1 * np.cos(t)
+    read = {
+        "ax": ax + (-x * r(inside) ** 2 - y * rdot(inside)).mean(axis=1),
+        "ay": ay + (x * rdot(inside) - y * r(inside) ** 2).mean(axis=1),
+        "r": r(t),
+    }
+    back = lever_arms.at_origin(Log("1.csv", "0" * 64, t, read), text.sensors).columns
+    assert np.abs(back["ax"] - ax)[1:].max() < 1e-3 and np.abs(back["ay"] - ay)[1:].max() < 1e-3
+    # What samples give of the same readings is wrong by ten times that.
+    sampled = text.sensors.model_copy(
+        update={"acceleration": text.sensors.acceleration.model_copy(update={"sampling": "instantaneous"})}
+    )
+    late = lever_arms.at_origin(Log("1.csv", "0" * 64, t, read), sampled).columns
+    assert np.abs(late["ay"] - ay)[1:].max() > 0.01

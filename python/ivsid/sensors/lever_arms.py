@@ -53,7 +53,8 @@ def at_origin(log: Log, sensors: Sensors) -> Log:
             roll, pitch = tilt
             pair = pair[0] - g * np.sin(pitch), pair[1] + g * np.cos(pitch) * np.sin(roll)
         if sensor.position != (0.0, 0.0):
-            pair = _moved(pair, columns, log.t, sensor, force=names[0] == "ax")
+            averaged = getattr(sensor, "sampling", "") == "averaged"
+            pair = _moved(pair, columns, log.t, sensor, force=names[0] == "ax", averaged=averaged)
         columns[names[0]], columns[names[1]] = pair
         notes.append(f"{' and '.join(names)} are brought to the body origin by the mounting of their sensor")
     return replace(log, columns=columns, notes=tuple(notes))
@@ -65,16 +66,27 @@ def _turned_back(pair: tuple[Array, Array], mount: Mounted) -> tuple[Array, Arra
 
 
 def _moved(
-    pair: tuple[Array, Array], columns: dict[str, Array], t: Array, mount: Mounted, *, force: bool
+    pair: tuple[Array, Array],
+    columns: dict[str, Array],
+    t: Array,
+    mount: Mounted,
+    *,
+    force: bool,
+    averaged: bool,
 ) -> tuple[Array, Array]:
+    """Readings of a sensor off the origin, moved to it; a specific force that is averaged is moved by the means over the step before it."""
     x, y = mount.position
     r = columns["r"]
     if not force:
         return pair[0] + y * r, pair[1] - x * r
-    rdot = columns.get("rdot")
-    if rdot is None:
-        rdot = np.gradient(r, t)
-    return pair[0] + x * r * r + y * rdot, pair[1] - x * rdot + y * r * r
+    if averaged and r.size > 1:
+        change, last = np.diff(r), np.concatenate([r[:1], r[:-1]])
+        rdot, square = np.concatenate([change[:1], change]), (r * r + r * last + last * last) / 3.0
+        rdot = rdot / np.concatenate([np.diff(t)[:1], np.diff(t)])
+    else:
+        square = r * r
+        rdot = columns["rdot"] if "rdot" in columns else np.gradient(r, t)
+    return pair[0] + x * square + y * rdot, pair[1] - x * rdot + y * square
 
 
 def _tilt(columns: dict[str, Array]) -> tuple[Array, Array] | None:

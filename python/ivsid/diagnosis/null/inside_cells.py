@@ -14,8 +14,9 @@ from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.plant.thrust_errors import bound_of
 
 # Cells beside which a cause has to stand that errors inside a cell may look like, in those of other causes. Where demands drift or change their
-# level, these errors come and go like a cause in time. Where the error jumps, it is like the edge of a dead band. A saw's teeth at their bounds were
-# a fouling and a failure of 11 standard deviations on a circle, and a dead band of 14.
+# level, these errors come and go like a cause in time. Where the error jumps, it is like the edge of a dead band. A shaft that lags runs through many
+# of them after each change, as a thrust does that comes late. A saw's teeth at their bounds were a fouling and a failure of 11 standard deviations on
+# a circle, and a dead band of 14; waves as short as a cell were a lag of 18.
 # Source: resource: half a gigabyte for a log of 600 s at 20 Hz
 FINER: Final = 3
 # The same where doubt is left: for faint causes that errors inside a cell do not look like, and for errors that leave their bounds.
@@ -25,7 +26,7 @@ CLOSER: Final = 2
 
 
 def inside_cells(fit: Fit, s: Scored) -> bool:
-    """Whether a cause may look like errors inside a cell: it changes the vehicle or a thrust in the course of a log, or at one demand.
+    """Whether a cause may look like errors inside a cell: it changes the vehicle or a thrust in the course of a log, at one demand, or while a demand changes.
 
     A failure that exceeds twice the accuracy of its thruster does not: two errors inside a cell differ by less.
 
@@ -36,7 +37,7 @@ def inside_cells(fit: Fit, s: Scored) -> bool:
     acts, form = s.candidate.effect.acts, s.candidate.effect.form
     if acts.at_thruster and acts.in_time and s.candidate.starts:
         return _inside_accuracy(fit, s)
-    return acts.in_time or form.edged
+    return acts.in_time or form.edged or (acts.at_thruster and form.bends)
 
 
 def _inside_accuracy(fit: Fit, s: Scored) -> bool:

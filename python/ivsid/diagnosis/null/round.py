@@ -113,8 +113,11 @@ class Round:
         return self._left[asked]
 
     def faint(self, s: Scored) -> bool:
-        """Whether errors inside the usual cells may look like a cause by chance."""
-        return self.curve is not None and not self.strong and s.fall < FORETOLD and not inside_cells(self.fit, s)
+        """Whether errors inside the usual cells may look like a cause by chance, and no stronger one is found first."""
+        if self.curve is None or inside_cells(self.fit, s) or self.left(s) >= FORETOLD:
+            return False
+        stronger = (q for q in self.scored if q.physical and q.shown >= FORETOLD)
+        return not any(self.left(q) >= FORETOLD for q in stronger)
 
     def free(self, s: Scored) -> float:
         """Merit of a family beside any thrust curve inside its accuracy: of an error in each cell of demand, with the bound as its prior."""

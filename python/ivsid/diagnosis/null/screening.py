@@ -299,7 +299,7 @@ ANY_CURVE: Final = Rule[Case](
 )
 CLOSER_CURVE: Final = Rule[Case](
     "closer curve",
-    "the same beside errors that jump in twice as many cells of demand, of a cause below 12 standard deviations",
+    "the same beside errors that jump in twice as many cells of demand, of a cause of which less than 12 standard deviations are left",
     f"at most {WORST:g}",
     "Errors that jump inside a cell are no constant share of their bound there. Many cells hold many such errors, and some look like any faint cause a little.",
     "definition: the limit of any curve",

@@ -366,7 +366,7 @@ PROOFS = (
     python(
         "angles run beside no cause",
         "diagnosis/estimation/angles.py",
-        "return bool(beside > COUNTS)",
+        "return bool(other_way <= 0.0)",
         "return True",
         "test_angles.py",
     ),

@@ -17,7 +17,6 @@ from ivsid.diagnosis.estimation.fit import Fit, Search, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.noise import Noise
 from ivsid.diagnosis.estimation.problem import Problem
-from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.prediction.innovations import Predictor
 
 # Fall of chi-squared from which on angles are taken to run.
@@ -33,10 +32,10 @@ PASSES: Final = 4
 
 
 def run(fit: Fit, search: Search) -> bool:
-    """Whether a log whose angles hold is followed better by angles that run on straight lines, by themselves and beside every cause.
+    """Whether a log whose angles hold is followed better by angles that run on straight lines, and no worse beside the best cause of either.
 
-    An angle that runs is half a row late beside one that holds, and so is the thrust of a shaft that lags: what a cause explains says
-    nothing of angles.
+    An angle that runs is half a row late beside one that holds, and so is the thrust of a shaft that lags: a log with that cause is followed
+    better by angles that run, and better still by the cause and angles that hold.
 
     Args:
         fit: of the model to the log, with angles that hold.
@@ -61,14 +60,14 @@ def run(fit: Fit, search: Search) -> bool:
         gained = fit.problem.chi2(fit.states) - Problem.at(there, fit.fixed, states).chi2(states)
         if gained <= COUNTS:
             return False
-        beside = _beside_all(search(fit)) - _beside_all(search(survey(there, states, fit.fixed)))
+        other_way = _beside_best(search(survey(there, states, fit.fixed))) - _beside_best(search(fit))
     except (np.linalg.LinAlgError, ValueError, FloatingPointError):
         # Numbers that follow the log with angles that hold stand.
         return False
-    return bool(beside > COUNTS)
+    return bool(other_way <= 0.0)
 
 
-def _beside_all(fit: Fit) -> float:
-    """Chi-squared that is left beside the columns of every cause."""
-    none = Projection(fit.gram, [])
-    return none.energy - none.solve(range(len(fit.gram.names)))[1]
+def _beside_best(fit: Fit) -> float:
+    """Chi-squared that is left beside the column of a cause that takes most of it."""
+    p = fit.projection
+    return p.chi2 - max((p.solve([k])[1] for k in set(range(len(fit.gram.names))) - {*fit.base}), default=0.0)

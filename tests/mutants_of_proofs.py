@@ -385,6 +385,13 @@ PROOFS = (
         "test_hysteresis.py",
     ),
     python(
+        "errors of a thrust act alone",
+        "diagnosis/null/screening.py",
+        "return min(self.s.shown, past, self.beside_slow)",
+        "return self.s.shown",
+        "test_any_curve.py",
+    ),
+    python(
         "least kind of thrust error",
         "diagnosis/null/any_curve.py",
         "total + np.max(",

@@ -1,6 +1,8 @@
 """Any thrust curve inside its accuracy: its worst against whole problems, detection limits, intervals, and what is left of a cause."""
 
 import itertools
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,6 +23,7 @@ from ivsid.diagnosis.null.curve_errors import _places
 from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.directions import Directions
 from ivsid.diagnosis.null.reached import Reached
+from ivsid.diagnosis.null.screening import ANY_CURVE, CLOSER_CURVE, Case
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.plant.thrust_errors import bound_of
 from ivsid.diagnosis.selection.adequacy import RISK, adequacy
@@ -312,3 +315,18 @@ def test_an_error_by_inflow_comes_as_late_as_its_thrust():
     error = np.r_[now, mean][None]
     left, other = (unlike(fit, free, error, relative, without) for without in ("none", "~late."))
     assert left < 0.45 and left < 0.7 * other
+
+
+def test_the_worst_errors_act_together_with_what_the_log_holds_without_a_cause(wrong):
+    """Ten standard deviations, of which errors of a thrust make three and the colour of the noise or a slow force six, leave one."""
+    s = replace(wrong.of("drag.surge.linear"), fall=100.0, boxed=0.0)
+    none = SimpleNamespace(fall=lambda q: q.fall)
+    some = SimpleNamespace(fall=lambda _: 16.0)
+
+    def stands(past, slow, lost):
+        here = SimpleNamespace(past=past, slow=slow, lost=lambda _, closer=False: lost)
+        case = Case(here, s)
+        return [rule.value(case) <= rule.limit(case) for rule in (ANY_CURVE, CLOSER_CURVE)]
+
+    assert stands(none, None, 0.0) == stands(none, none, 3.0) == stands(some, none, 0.0) == [True, True]
+    assert stands(some, None, 3.0) == stands(none, some, 3.0) == [False, False]

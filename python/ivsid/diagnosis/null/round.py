@@ -86,7 +86,7 @@ class Round:
 
     @cached_property
     def strong(self) -> bool:
-        """Whether a cause stands out by 12 standard deviations, which is found first: fainter ones are asked again beside it."""
+        """Whether a cause stands out of any colour of the noise, which is found first: fainter ones are asked again beside it."""
         return any(s.physical and s.shown >= FORETOLD for s in self.scored)
 
     @cached_property

@@ -81,6 +81,12 @@ class Case:
         s, slow = self.s, self.round.slow
         return s.shown * min(slow.fall(s) / s.fall, 1.0) if slow is not None and s.fall > 0 else s.shown
 
+    @cached_property
+    def beside_noise(self) -> float:
+        """Least fall of chi-squared beside what the rules before ask of: the log's own past errors, for a cause that those may make, and slow forces."""
+        past = self.beside_past if self.s.shown < FORETOLD else self.s.shown
+        return min(self.s.shown, past, self.beside_slow)
+
     @property
     def over_declared(self) -> float:
         """Size of the cause in the declared ambient force, where it is a part of that by its nature; infinite where it is none."""
@@ -286,12 +292,12 @@ DECLARED_SEA: Final = Rule[Case](
 )
 ANY_CURVE: Final = Rule[Case](
     "any curve",
-    "chance of the fall of chi² that no declared error inside its bound can make",
+    "chance of the fall of chi² that no declared error inside its bound can make, beside the log's own past errors and slow forces",
     f"at most {WORST:g}",
-    "Any thrust curve inside the stated accuracy is possible. Errors that are the worst for one cause are not for causes of another kind, so "
-    "that their number does not count again.",
+    "Any thrust curve inside the stated accuracy is possible, and it acts together with what the log holds without a cause. Errors that are the worst for one "
+    "cause are not for causes of another kind, so that their number does not count again.",
     "theorem: docs/theory.md, Any thrust curve inside its accuracy",
-    lambda c: chance_beside(replace(c.s, lost=c.lost), c.s.shown),
+    lambda c: chance_beside(replace(c.s, lost=c.lost), c.beside_noise),
     lambda _: WORST,
     "errors inside the stated accuracies may explain it: beside the worst of them its fall of chi² has probability {value:.1g}, "
     "and {limit:.1g} is the limit",
@@ -299,11 +305,11 @@ ANY_CURVE: Final = Rule[Case](
 )
 CLOSER_CURVE: Final = Rule[Case](
     "closer curve",
-    "the same beside errors that jump in twice as many cells of demand, of a cause of which less than 12 standard deviations are left",
+    f"the same beside errors that jump in twice as many cells of demand, of a cause of which less than {FORETOLD:g} in chi² is left",
     f"at most {WORST:g}",
     "Errors that jump inside a cell are no constant share of their bound there. Many cells hold many such errors, and some look like any faint cause a little.",
     "definition: the limit of any curve",
-    lambda c: chance_beside(replace(c.s, lost=c.round.lost(c.s, closer=True)), c.s.shown),
+    lambda c: chance_beside(replace(c.s, lost=c.round.lost(c.s, closer=True)), c.beside_noise),
     lambda _: WORST,
     "errors inside the stated accuracies that jump more often may explain it: beside the worst of them its fall of chi² has probability {value:.1g}, "
     "and {limit:.1g} is the limit",

@@ -73,11 +73,11 @@ def test_an_anchor_beside_a_straight_track_is_found():
 
 
 def test_the_distance_from_all_errors_is_that_of_the_nearest_and_no_more():
-    """The oracle is least squares inside a box, for errors without classes of inflow."""
+    """The oracle is least squares inside a box, for errors of the demand alone."""
     fit, _ = scored(85308)
     free, rng = AnyCurve(fit), np.random.default_rng(7)
-    inflow = [i for i, k in enumerate(free.projection.base) if free.g.names[k].startswith("~inflow.")]
-    free.box[inflow] = 0.0
+    others = ("~inflow.", "~late.", "~stop.")
+    free.box[[i for i, k in enumerate(free.projection.base) if free.g.names[k].startswith(others)]] = 0.0
     for scale in (0.02, 0.1):
         moved = scale * rng.standard_normal((3, free.box.size)) / np.maximum(free.box, 1e-9)
         z = 20.0 * rng.standard_normal(3)
@@ -151,7 +151,8 @@ def test_a_failure_beyond_the_accuracy_stands_beside_usual_cells():
     fit, found = scored(85286, size=0.6)
     failure = found["thruster.failure"]
     left = Round(fit, tuple(found.values()), 1e-4, {}).left(failure)
-    assert not inside_cells(fit, failure) and left > 40.0
+    # Of 41 without plays among the errors 33 are left.
+    assert not inside_cells(fit, failure) and left > 30.0
     assert left > 2.0 * Directions(AnyCurve(fit, finer=FINER)).left(failure)
 
 

@@ -11,7 +11,7 @@ from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.null import leaving
+from ivsid.diagnosis.null import curve_errors, leaving
 from ivsid.diagnosis.null.boxed import readings
 from ivsid.diagnosis.selection import adequacy as selection
 from ivsid.diagnosis.selection.adequacy import RISK, adequacy
@@ -50,6 +50,9 @@ def test_a_swell_moves_no_sensor(without_the_past, monkeypatch):
     monkeypatch.setattr(leaving, "ARM", "none")
     assert adequacy(fit).quiet
     without_the_past()
+    # So do plays of the thrusters.
+    assert adequacy(fit).sensed
+    monkeypatch.setattr(curve_errors, "WIDTHS", (1e-9,))
     assert not adequacy(fit).sensed
 
 

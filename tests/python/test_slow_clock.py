@@ -8,6 +8,7 @@ from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data import channels as clock
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.plant.driving import Driving
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 
@@ -76,19 +77,21 @@ def sailed(seconds, seed, lag, rate):
     return Log("craft.csv", "0" * 64, t, {**readings, "demand_port": port, "demand_starboard": starboard})
 
 
-@pytest.mark.parametrize("parted", [True, False])
+@pytest.mark.parametrize("by", ["parts", "lines", "neither"])
 @pytest.mark.parametrize(("lag", "rate"), [(0.12, 5.0), (0.06, 10.0)])
-def test_a_stated_lag_is_none_beside_itself(lag, rate, parted, monkeypatch):
-    """By whole steps a sound craft had another lag by 520 and by 67 in chi-squared."""
+def test_a_stated_lag_is_none_beside_itself(lag, rate, by, monkeypatch):
+    """By whole steps a sound craft had another lag by 520 and by 67 in chi-squared. Thrusts on straight lines inside them leave 3 and 6."""
     vehicle = parse_vehicle(CRAFT.replace("{lag}", str(lag)), "craft.toml")
-    if not parted:
+    if by == "neither":
+        monkeypatch.setattr(Driving, "_running", lambda *_: None)
+    if by != "parts":
         monkeypatch.setattr(clock, "LONG", 10.0)
         monkeypatch.setattr(clock, "LONG_BESIDE_LAG", 10.0)
     log = channels(sailed(240.0, 3, lag, rate), vehicle)
-    assert (log.between is not None) == parted
+    assert (log.between is not None) == (by == "parts")
     scored = score(plain_fit(vehicle, log, everything))[1]
     fall = max(s.fall for s in scored if s.id == "thruster.lag")
-    assert fall < 16.0 if parted else fall > (100.0 if rate == 5.0 else 50.0), fall
+    assert fall < 16.0 if by != "neither" else fall > (100.0 if rate == 5.0 else 50.0), fall
 
 
 def test_steps_have_parts_where_thrusts_change_within_them():

@@ -23,6 +23,9 @@ FINER: Final = 3
 # Source: measured: of a drag in yaw of 33 in chi-squared that jumps inside cells made, 26 were left beside the usual cells, and 3 beside twice as many; errors that
 # jump every fortieth of the range left the zonotope of the usual cells by 352 and 609, and that of twice as many by 0 and 1; a force of the heading left both
 CLOSER: Final = 2
+# Fall of chi-squared beside the usual cells from which on a cause is clear of them.
+# Source: resource: twelve standard deviations, and more cells take as long as a survey; what errors inside cells made was 39 at most
+CLEAR: Final = 144.0
 
 
 def inside_cells(fit: Fit, s: Scored) -> bool:

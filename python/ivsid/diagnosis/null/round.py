@@ -19,7 +19,7 @@ from ivsid.diagnosis.null.any_curve import AnyCurve, is_declared, lost
 from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import Directions
 from ivsid.diagnosis.null.frequencies import Frequencies
-from ivsid.diagnosis.null.inside_cells import CLOSER, FINER, inside_cells
+from ivsid.diagnosis.null.inside_cells import CLEAR, CLOSER, FINER, inside_cells
 from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.slow_force import SlowForce, slow_force
@@ -114,10 +114,10 @@ class Round:
 
     def faint(self, s: Scored) -> bool:
         """Whether errors inside the usual cells may look like a cause by chance, and no stronger one is found first."""
-        if self.curve is None or inside_cells(self.fit, s) or self.left(s) >= FORETOLD:
+        if self.curve is None or inside_cells(self.fit, s) or self.left(s) >= CLEAR:
             return False
-        stronger = (q for q in self.scored if q.physical and q.shown >= FORETOLD)
-        return not any(self.left(q) >= FORETOLD for q in stronger)
+        stronger = (q for q in self.scored if q.physical and q.shown >= CLEAR)
+        return not any(self.left(q) >= CLEAR for q in stronger)
 
     def free(self, s: Scored) -> float:
         """Merit of a family beside any thrust curve inside its accuracy: of an error in each cell of demand, with the bound as its prior."""

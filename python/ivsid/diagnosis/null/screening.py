@@ -18,6 +18,7 @@ from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.roughness import ERRORS
 from ivsid.diagnosis.null.gradual import BETTER, CURVED, gradual, most_beyond
+from ivsid.diagnosis.null.inside_cells import CLEAR
 from ivsid.diagnosis.null.own_past import FORETOLD
 from ivsid.diagnosis.null.round import Round
 from ivsid.diagnosis.null.rule import Rule
@@ -305,7 +306,7 @@ ANY_CURVE: Final = Rule[Case](
 )
 CLOSER_CURVE: Final = Rule[Case](
     "closer curve",
-    f"the same beside errors that jump in twice as many cells of demand, of a cause of which less than {FORETOLD:g} in chi² is left",
+    f"the same beside errors that jump in twice as many cells of demand, of a cause of which less than {CLEAR:g} in chi² is left",
     f"at most {WORST:g}",
     "Errors that jump inside a cell are no constant share of their bound there. Many cells hold many such errors, and some look like any faint cause a little.",
     "definition: the limit of any curve",

@@ -133,10 +133,9 @@ class AnyCurve:
         out = np.sign(moved) * self.box
         by = np.abs(moved) * self.box
         for each in self._kinds:
-            worst = max((float(by[at].sum()) for at in each), default=0.0)
-            for at in each:
-                if by[at].sum() < worst:
-                    out[at] = 0.0
+            worst = int(np.argmax([by[at].sum() for at in each])) if each else 0
+            for at in (*each[:worst], *each[worst + 1 :]):
+                out[at] = 0.0
         return np.asarray(out)
 
     def beside(self, s: Scored) -> tuple[Gram, list[int]]:

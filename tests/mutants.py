@@ -15,13 +15,14 @@ import time
 from pathlib import Path
 
 from tests.mutant import Mutant
+from tests.mutants_of_diagnosis import DIAGNOSIS
 from tests.mutants_of_proofs import PROOFS
 from tests.mutants_of_results import RESULTS
 
 ROOT = Path(__file__).parents[1]
 # Seconds in which the tests of a mutant end; one that never ends is noticed as well.
 PATIENCE = 900
-MUTANTS = (*RESULTS, *PROOFS)
+MUTANTS = (*RESULTS, *DIAGNOSIS, *PROOFS)
 
 
 def copied(folder: Path) -> Path:

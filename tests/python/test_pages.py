@@ -169,3 +169,21 @@ def test_every_command_of_the_readme_does_its_job(tmp_path, monkeypatch):
         more = ["--yes", "--out", f"proposed{len(words)}.toml"] if words[0] == "init" else []
         done = run(*words, *more)
         assert done.returncode == 0, f"{words}\n{done.stdout}{done.stderr}"
+
+
+@pytest.mark.nightly
+def test_the_readme_shows_what_the_first_diagnosis_prints(tmp_path, monkeypatch):
+    """Words are the same, and numbers to a hundredth: their last digits are those of a processor."""
+    monkeypatch.chdir(tmp_path)
+    ivsid(["example", "trip"])
+    printed = run("diagnose", "trip/boat.toml", "trip/run1.csv", "trip/run2.csv").stdout.splitlines()
+    (shown,) = (text for text in blocks("README.md", "console") if text.startswith("Otter: "))
+    number = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
+    for line in shown.splitlines():
+        wanted = line.removesuffix("...").strip()
+        beside = [x.strip()[: len(wanted)] if line.endswith("...") else x.strip() for x in printed]
+        alike = [x for x in beside if number.sub("0", x).split() == number.sub("0", wanted).split()]
+        assert any(
+            [float(q) for q in number.findall(x)] == pytest.approx([float(q) for q in number.findall(wanted)], rel=0.01)
+            for x in alike
+        ), line

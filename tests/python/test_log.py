@@ -163,6 +163,29 @@ def test_a_live_channel_that_repeats_by_chance_keeps_its_values(chance):
             assert without_held("u", u)[1] == 0
 
 
+@pytest.mark.parametrize(("scale", "noise"), [(0.008, 0.001), (0.045, 0.01), (0.1, 0.0)])
+def test_a_live_channel_on_a_coarse_scale_keeps_its_values(scale, noise):
+    """A speed log of few decimals changes by one of them at any time; most of its rows repeat."""
+    t = np.arange(0, 600, 0.1)
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        live = np.sin(0.04 * t + rng.uniform(0, 6)) + 0.3 * np.sin(0.11 * t) + noise * rng.standard_normal(t.size)
+        u = np.round(live / scale) * scale
+        assert (np.diff(u) == 0).sum() > t.size / 3
+        assert without_held("u", u)[1] == 0
+
+
+@pytest.mark.parametrize("period", [2, 2.5, 4, 4.7, 20])
+@pytest.mark.parametrize("scale", [0.001, 0.02])
+def test_a_slower_sensor_of_a_vehicle_at_rest_is_held(period, scale):
+    """Its readings are one decimal or two apart, and equal to each other as often as not: they keep their time."""
+    reading = np.floor(np.arange(6000) / period + 1e-9).astype(int)
+    for seed in range(10):
+        noise = np.random.default_rng(seed).standard_normal(reading[-1] + 1)
+        u = (np.round(0.35 * noise / np.abs(noise).mean()) * scale)[reading]
+        assert without_held("u", u)[1] == (np.diff(u) == 0).sum()
+
+
 def test_what_held_values_rest_on_is_said(tmp_path):
     moment = slower(2.0)
     frame = pl.DataFrame({"t": np.arange(moment.size) / 6, "u": np.sin(moment), "v": np.cos(np.arange(moment.size))})

@@ -33,6 +33,12 @@ ALIKE: Final = 0.85
 # Smallest share of the repeats of a slower sensor that have one of three neighbouring distances.
 # Source: theorem: geometric distribution of the lengths of runs, with ALIKE
 REGULAR: Final = 0.9
+# Share by which two changes may differ and be one step of a coarse scale: a scale is stated in rounded numbers.
+# Source: geometry: a step of 0.001 in numbers of seven digits
+SAME_CHANGE: Final = 1e-3
+# Least line, as a share of the changes, at which they keep the time of a sensor that is slower than the log.
+# Source: theorem: times that are rounded up to rows keep sin(pi / p) / (pi / p) of a period of p rows, 0.64 and more, and K changes at any time 1 / sqrt(K)
+PERIODIC: Final = 0.5
 
 
 def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
@@ -62,7 +68,7 @@ def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
     np.not_equal(present[1:], present[:-1], out=new[1:])
     if new.all():
         return values, 0, None
-    if not _held(np.flatnonzero(new)):
+    if not _held(np.flatnonzero(new)) or _coarse(present, new):
         return values, 0, None
     repeats = np.flatnonzero(~new)
     runs = np.diff(np.flatnonzero(new))
@@ -98,7 +104,7 @@ def _held(first: NDArray[np.intp]) -> bool:
 
     Runs of a slower sensor are long as a rule, or have two neighbouring lengths only. With some lost readings and a time at rest, most
     runs have two neighbouring lengths, and repeats come at regular distances. A coarse but live channel repeats by chance, with runs
-    of any length or at any distance. One value for ever is a vehicle at rest.
+    of any length or at any distance (``_coarse`` asks where its runs are long). One value for ever is a vehicle at rest.
     """
     runs = np.diff(first)
     if runs.size < 4 or runs.max() < 2:
@@ -109,6 +115,30 @@ def _held(first: NDArray[np.intp]) -> bool:
     if distances.size < 8 or _share(runs, 2) < ALIKE:
         return False
     return _share(distances, 3) >= REGULAR
+
+
+def _coarse(values: Array, new: NDArray[np.bool_]) -> bool:
+    """Whether long runs of equal values are those of a live channel that is read on a coarse scale.
+
+    Such a channel leaves one step of its scale for the next, and at any time. A slower sensor passes over steps, or, of a vehicle at rest, changes
+    at the time of its readings.
+
+    Args:
+        values: shape (n,), without missing ones.
+        new: shape (n,), whether a value differs from the one before.
+    """
+    values, new = values[:SOME], new[:SOME]
+    first = np.flatnonzero(new)
+    changes = np.abs(np.diff(values[first]))
+    if changes.size < 2:
+        return False
+    step = float(np.median(changes))
+    if np.mean(np.abs(changes / step - 1) < SAME_CHANGE) < ALIKE:
+        return False
+    lines = np.abs(np.fft.rfft(new.astype(np.float64)))
+    # A reading that equals the one before makes a run longer, and no run is shorter than a period.
+    slowest = min(int(new.size / np.median(np.diff(first))), lines.size - 1)
+    return float(lines[slowest:].max()) < PERIODIC * first.size
 
 
 def _share(lengths: NDArray[np.intp], neighbours: int) -> float:

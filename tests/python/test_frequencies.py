@@ -17,7 +17,7 @@ from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null import family_wise, frequencies
 from ivsid.diagnosis.null.frequencies import Frequencies, Scatter, as_rare, excess, spectrum
 from ivsid.diagnosis.null.leaving import Others
-from ivsid.diagnosis.null.screening import DECLARED_SEA, FREQUENCIES, MINUTES, OWN_PAST
+from ivsid.diagnosis.null.screening import ANY_CURVE, CLOSER_CURVE, DECLARED_SEA, FREQUENCIES, MINUTES, OWN_PAST
 from ivsid.diagnosis.selection import adequacy
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
@@ -184,14 +184,16 @@ def test_an_ambient_force_of_another_spectrum_is_no_finding(seed, sea, hidden, m
     found = screened(vehicle, train)
     assert found.passed == [] and found.quiet
     if hidden == "wave.force":
-        # A swell below the declared force is refused for that as well, and past errors foretell it.
-        kept = tuple(r for r in family_wise.SCREENING if r not in (FREQUENCIES, DECLARED_SEA, OWN_PAST))
+        # A swell below the declared force is refused for that as well, and past errors foretell it, beside thrust errors too.
+        others = FREQUENCIES, DECLARED_SEA, OWN_PAST, ANY_CURVE, CLOSER_CURVE
+        kept = tuple(r for r in family_wise.SCREENING if r not in others)
         monkeypatch.setattr(family_wise, "SCREENING", kept)
         assert screened(vehicle, train).passed == [hidden]
     elif hidden == "current.steady":
-        # A few frequencies made the estimate of the noise. A slow force inside the declared one refuses the current as well.
+        # A few frequencies made the estimate of the noise. A slow force inside the declared one refuses the current as well, beside thrust errors too.
         monkeypatch.setattr(frequencies, "as_rare", lambda fall, count, freedom: fall)
-        monkeypatch.setattr(family_wise, "SCREENING", tuple(r for r in family_wise.SCREENING if r is not MINUTES))
+        others = MINUTES, ANY_CURVE, CLOSER_CURVE
+        monkeypatch.setattr(family_wise, "SCREENING", tuple(r for r in family_wise.SCREENING if r not in others))
         assert screened(vehicle, train).passed == [hidden]
     else:
         none = Scatter(np.zeros(1), np.array(np.inf))

@@ -9,6 +9,7 @@ import pytest
 from tests.exam.cases import setting
 from tests.exam.sensor_errors import POSITION, ROTATION
 
+from diagnosis_logs import screened, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
@@ -204,3 +205,15 @@ def test_an_error_of_readings_beyond_its_bound_is_unknown_and_its_size_is_said(n
     assert stated == pytest.approx(times, abs=1.0)
     assert f"    {finding.description}" in diagnosis_report(result).lines
     assert any(said in h and h.endswith("more than its specification allows for") for h in result.hints)
+
+
+@pytest.mark.parametrize(("stated", "named"), [(0.002, set()), (1e-5, {"sensor.acceleration.bias"})])
+def test_an_attitude_inside_its_accuracy_leaves_no_bias(stated, named):
+    """Roll and pitch are 1.5 mrad off, so that 0.015 m/s^2 of gravity stays in the accelerations: no cause where the file states that accuracy."""
+    text = vehicle_of().text.replace("[sensors.acceleration]\n", "[sensors.acceleration]\ngravity = true\n")
+    vehicle = parse_vehicle(f"{text}[sensors.attitude]\naccuracy = {stated}\n", "v.toml")
+    level = train_of(vehicle_of())
+    tilt = {"roll": 0.0015 + 0 * level.t, "pitch": -0.0015 + 0 * level.t}
+    log = Log(level.name, level.sha256, level.t, {**level.columns, **tilt})
+    found = screened(vehicle, log)
+    assert named == set(found.passed[:1]) and found.quiet == (not named)

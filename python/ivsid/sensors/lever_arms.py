@@ -49,7 +49,7 @@ def at_origin(log: Log, sensors: Sensors) -> Log:
                 notes.append(f"{' and '.join(names)} hold gravity and no attitude is logged: they are not used")
                 columns = {k: x for k, x in columns.items() if k not in names}
                 continue
-            g = GRAVITY if gravity is True else float(gravity)
+            g = gravity_of(sensors)
             roll, pitch = tilt
             pair = pair[0] - g * np.sin(pitch), pair[1] + g * np.cos(pitch) * np.sin(roll)
         if sensor.position != (0.0, 0.0):
@@ -58,6 +58,12 @@ def at_origin(log: Log, sensors: Sensors) -> Log:
         columns[names[0]], columns[names[1]] = pair
         notes.append(f"{' and '.join(names)} are brought to the body origin by the mounting of their sensor")
     return replace(log, columns=columns, notes=tuple(notes))
+
+
+def gravity_of(sensors: Sensors) -> float:
+    """Gravity that the accelerometer feels [m/s^2]; 0 where its readings hold none."""
+    felt = False if sensors.acceleration is None else sensors.acceleration.gravity
+    return GRAVITY if felt is True else float(felt)
 
 
 def _turned_back(pair: tuple[Array, Array], mount: Mounted) -> tuple[Array, Array]:

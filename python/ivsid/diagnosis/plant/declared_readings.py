@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.plant.thrust_errors import BOUNDED
+from ivsid.sensors.lever_arms import gravity_of
 from ivsid.vehicle import Vehicle
 from ivsid.vehicle.mount import Mounted
 
@@ -66,7 +67,12 @@ def _instabilities(vehicle: Vehicle) -> dict[str, float]:
     acceleration, gyro = vehicle.sensors.acceleration, vehicle.sensors.yaw_rate
     found: dict[str, float] = {}
     if acceleration is not None:
-        found |= {q: acceleration.axis(k)[0] + BOUNDED * acceleration.accuracy for k, q in enumerate(("ax", "ay"))}
+        # A wrong attitude leaves a part of gravity in the readings.
+        tilt = (
+            0.0 if vehicle.sensors.attitude is None else gravity_of(vehicle.sensors) * vehicle.sensors.attitude.accuracy
+        )
+        bound = acceleration.accuracy + tilt
+        found |= {q: acceleration.axis(k)[0] + BOUNDED * bound for k, q in enumerate(("ax", "ay"))}
     if gyro is not None:
         found["r"] = gyro.axis(0)[0] + BOUNDED * gyro.accuracy
     return found

@@ -61,7 +61,10 @@ def differenced(log: Log) -> Log:
         return _turning(log)
     if set(POSE) - set(log.columns) or {"u", "v"} & set(log.columns):
         return log
-    h = max(STEP, log.period)
+    h = STEP
+    if log.period > 2 * SIDE * STEP:
+        # The pose comes too rarely for a line around each end, so that the ends are its samples.
+        h = log.period * max(round(STEP / log.period), 1)
     t = log.t[0] + h * np.arange(int((log.t[-1] - log.t[0]) / h) + 1)
     x, y = (_mean(log, name, t, h) for name in ("x", "y"))
     psi = _mean(log, "psi", t, h)

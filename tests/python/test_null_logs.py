@@ -366,3 +366,22 @@ def test_null_logs_beside_a_cause_beyond_doubt_follow_the_model_with_it(zigzags,
     beside = confirmed(fit, test, [near, beyond], Looks(1, 20, tmp_path), last)
     assert beside.nulls.cached == 0 and beside.nulls.kept.size == 20
     assert (beside.nulls.strengths != plain.nulls.strengths).any()
+
+
+def test_null_logs_of_a_vehicle_without_thrusters_follow_its_known_forces():
+    """Forces that a towing tank measures take the place of thrusts, and no demand is sent."""
+    vehicle, log = drawn(duration=90.0)
+    curves = [ThrustCurve(t) for t in vehicle.thrusters]
+    port, starboard = (c.value(log.columns[f"demand_{t.name}"]) for c, t in zip(curves, vehicle.thrusters, strict=True))
+    text = vehicle.text[: vehicle.text.index("[[thrusters]]")] + vehicle.text[vehicle.text.index("[sensors]") :]
+    towed = parse_vehicle(text, "towed.toml")
+    pushed = {"force_X": port + starboard, "force_Y": 0.0 * port, "moment_N": 0.28 * (port - starboard)}
+    columns = {k: x for k, x in log.columns.items() if not k.startswith("demand")} | pushed
+    fit = plain_fit(towed, channels(Log("a.csv", "0" * 64, log.t, columns), towed), everything)
+    programme = trial_of(fit, frozenset(), StructureTest()).programme
+    (made,) = null_logs(programme, 1, [0])
+    assert made is not None
+    one, true = made
+    assert one.demands.shape == (0, one.n) and true.given == fit.h.given
+    # The motion is the log's own but for its noise and its ambient force.
+    assert np.corrcoef(one.nu[0], programme.log.nu[0])[0, 1] > 0.95

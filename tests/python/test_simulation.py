@@ -398,3 +398,14 @@ def test_a_mass_matrix_that_is_not_positive_definite_is_refused(swan, programme,
 def test_a_sensor_slower_than_the_log_is_long_gives_one_reading(swan, programme):
     scenario = programme.model_copy(update={"duration": 3.0, "sensing": Sensing(velocity=Faults(period=1e300))})
     assert np.unique(simulate(swan, scenario, 1).columns["u"]).size == 1
+
+
+def test_a_vehicle_without_thrusters_follows_its_known_forces():
+    """A constant force along the keel against a linear drag: the speed rises to force over drag by the hull's time constant."""
+    text = 'name = "towed"\n[hull]\nmass = 40.0\nlength = 1.5\n[model]\nterms = ["mass.surge", "mass.sway", "inertia.yaw", "drag.surge.linear"]\n'
+    values = {"mass.surge": 50.0, "mass.sway": 60.0, "inertia.yaw": 8.0, "drag.surge.linear": 10.0}
+    t = np.arange(0.0, 20.0, 0.1)
+    force = np.tile([5.0, 0.0, 0.0], (t.size, 1))
+    moved = follow(parse_vehicle(text, "towed.toml"), values, t, {}, force=force)
+    np.testing.assert_allclose(moved["u"], 0.5 * -np.expm1(-t / 5.0), atol=1e-6)
+    assert not moved["thrust"].any() and not moved["r"].any()

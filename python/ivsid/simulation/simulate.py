@@ -147,9 +147,11 @@ def follow(
         TrueThrust(q.model_copy(update={"accuracy": type(q.accuracy)()}), np.random.default_rng(0))
         for q in vehicle.thrusters
     ]
-    table = np.stack([np.asarray(demands[n], dtype=np.float64) for n in names], axis=1).tolist()
     turned = angles or {}
-    angle = np.stack([np.asarray(turned.get(n, np.zeros(t.size)), dtype=np.float64) for n in names], axis=1).tolist()
+    table, angle = (
+        np.array([of.get(n, np.zeros(t.size)) for n in names], dtype=np.float64).reshape(len(names), t.size).T.tolist()
+        for of in (demands, turned)
+    )
     since = (t - t[0]).tolist()
 
     def make() -> tuple[Propulsion, Helm]:

@@ -8,6 +8,7 @@ Source: Hairer, Norsett and Wanner, *Solving Ordinary Differential Equations I*,
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Final, cast
 
@@ -85,7 +86,7 @@ def ends(programme: Programme) -> tuple[Array, Array]:
     """
     log, back = programme.log, programme.feedback
     sent = log.demands if log.between is None else np.concatenate([log.demands[..., None], log.between.demands], axis=2)
-    sent = sent.reshape(len(sent), -1)
+    sent = sent.reshape(len(sent), math.prod(sent.shape[1:]))
     return (
         np.minimum(sent.min(axis=1), back.lowest[: len(sent)]),
         np.maximum(sent.max(axis=1), back.highest[: len(sent)]),

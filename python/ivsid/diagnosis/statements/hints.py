@@ -68,9 +68,14 @@ def hints(fit: Fit) -> tuple[str, ...]:
         strong = [k for k, x in enumerate(force) if x > STRONGER * vehicle.ambient.force]
         # Both axes feel one sea; a force in one of them alone may be another one.
         where = f" in {CHANNELS[strong[0]]}" if len(strong) == 1 else ""
+        pushed = (
+            "thrusts that are off inside their accuracies, or "
+            if vehicle.thrusters
+            else "known forces that are off, or "
+        )
         if strong:
             out.append(
                 f"the ambient force{where} looks like {min(force[k] for k in strong):.2g} N rms, more than the {vehicle.ambient.force:g} N of the vehicle file"
-                f"{': thrusts that are off inside their accuracies, or a force that the model lacks, may be part of it' if where else ''}"
+                f"{f': {pushed}a force that the model lacks, may be part of it' if where else ''}"
             )
     return tuple(out)

@@ -1,15 +1,20 @@
 """Fits stay physical: masses, inertias and drags are those of a hull, and a log that asks for others is told."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from tests.exam.draw import case
 
 from ivsid import diagnose
+from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.first_values import first_values
+from ivsid.diagnosis.estimation.gauss_newton import improve
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.plant.usual_hull import hull_limits
+from ivsid.diagnosis.prediction.innovations import replaced
 from ivsid.effects import PLAIN_TERMS, terms_of
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
@@ -51,6 +56,19 @@ def test_first_values_are_those_of_a_hull(factor):
     h = first_values(vehicle, channels(log_of(c.train), vehicle), terms_of(vehicle), {})
     for id_, (low, high) in hull_limits(vehicle, h.terms).items():
         assert low <= h.values[id_] <= high
+
+
+def test_a_fit_from_a_start_that_no_hull_has_is_one_of_hulls():
+    """A start may be a multiple of another fit; where no step makes it better, it stays what it was."""
+    c = case(7, what="none", kind="twin", duration=70.0, style="rich", rate=5.0, train_alone=True)
+    fit = plain_fit(c.vehicle, channels(log_of(c.train), c.vehicle), everything)
+    limits = hull_limits(c.vehicle, fit.h.terms)
+    far = replaced(fit.h, {"mass.surge": 1.5 * limits["mass.surge"][1], "mass.sway": 0.5 * limits["mass.sway"][0]})
+    found = improve(fit.problem, fit.states.under(far), 0).h.values
+    assert all(limits[i][0] <= found[i] <= limits[i][1] for i in ("mass.surge", "mass.sway"))
+    # A claim of the vehicle file is not the fit's to change.
+    claimed = replace(fit.problem, fixed={"mass.surge": far.values["mass.surge"]})
+    assert improve(claimed, fit.states.under(far), 0).h.values["mass.surge"] == far.values["mass.surge"]
 
 
 # Nightly: whole diagnoses.

@@ -65,7 +65,7 @@ def improve(problem: Problem, states: FilteredStates, steps: int = STEPS) -> Fil
         return Projection(g, range(problem.count)).chi2 if finite else float(np.inf), g
 
     # Chi-squared belongs to a hypothesis only at its own states.
-    states = predictor.settle(states, 2)
+    states = predictor.settle(states.under(_of_hulls(states.h, problem)), 2)
     here, base = cost(states)
     for _ in range(steps):
         for p in _movable(problem.beside(base, states), states.h):
@@ -87,6 +87,13 @@ def improve(problem: Problem, states: FilteredStates, steps: int = STEPS) -> Fil
         if (np.abs(p.coefficients) < CONVERGED * sigma)[problem.count :].all():
             break
     return states
+
+
+def _of_hulls(h: Hypothesis, problem: Problem) -> Hypothesis:
+    """The hypothesis with every fitted number inside the limits of hulls: a start may be a multiple of another fit."""
+    limits = hull_limits(problem.noise.predictor.vehicle, h.terms)
+    inside = {i: float(np.clip(h.values[i], *ends)) for i, ends in limits.items() if i not in problem.fixed}
+    return replaced(h, {i: x for i, x in inside.items() if x != h.values[i]})
 
 
 def _movable(g: Gram, h: Hypothesis) -> Iterator[Projection]:

@@ -149,6 +149,7 @@ def _unfounded(
     """The refusal by its score of the cause that fits best, where no cause that passed bears it out; None otherwise.
 
     A cause that passed does so if it holds in its full fit, and fits about as well where what the log holds without a cause explains the best one.
+    One whose evidence is that thrust errors would have to leave their bounds bears out none that does not bring them back.
 
     Args:
         best: the cause.
@@ -160,7 +161,8 @@ def _unfounded(
     refusal = screened.refused.get(best.id)
     if refusal is None:
         return None
-    passed = {s.id: s for s in screened.passed}
+    own = next(s for s in screened.round.scored if s.id == best.id)
+    passed = {s.id: s for s in screened.passed if s.boxed <= s.fall or own.boxed > own.fall}
     asked = close if refusal.rule in {r.name for r in IMITATED} else tried
     holds = any(r.id in passed and full_refused(test, passed[r.id], r.fall) is None for r in asked)
     return None if holds else refusal

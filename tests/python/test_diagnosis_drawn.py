@@ -9,7 +9,7 @@ from tests.exam.draw import case
 
 from diagnosis_logs import names, with_columns
 from ivsid import diagnose
-from ivsid.diagnosis.data.channels import Between
+from ivsid.diagnosis.data.between import Between
 from ivsid.diagnosis.data.outliers import outliers
 from ivsid.log import Log
 

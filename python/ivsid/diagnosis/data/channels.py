@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.data.between import Between, Straddled
 from ivsid.diagnosis.data.clock import RARE, check_usable, paced
 from ivsid.diagnosis.data.from_pose import differenced
 from ivsid.diagnosis.data.resampling import Resampler
@@ -40,66 +40,6 @@ WHOLE: Final = 1e-6
 # Noise of a yaw rate that differences of the heading give, over its scatter: it corrects no filter.
 # Source: definition: such a reading changes a filtered rate by less than a millionth
 UNREAD: Final = 1e3
-
-
-@dataclass(frozen=True)
-class Between:
-    """Held demands and angles at equal parts of each step of a clock that is slower than the log, shape (thrusters, n, parts) each.
-
-    Attributes:
-        demands: of thrusters, in their own unit.
-        angles: of azimuth thrusters [rad].
-        rudders: angles of rudders [rad].
-        read: parts from a sample to each of the readings whose mean it is.
-    """
-
-    demands: Array
-    angles: Array
-    rudders: Array
-    read: tuple[int, ...] = (0,)
-
-    @cached_property
-    def _readings(self) -> list[NDArray[np.int64]]:
-        """Parts at the readings of each sample, shape (n,) each."""
-        n, count = self.demands.shape[1:]
-        first = np.arange(0, n * count, count)
-        return [np.clip(first + k, 0, n * count - 1) for k in self.read]
-
-    def sampled(self, x: Array) -> Array:
-        """The mean of a quantity over the readings of each sample, shape (..., n), from its values at the starts of all parts, shape (..., n parts)."""
-        first, *others = (x[..., at] for at in self._readings)
-        return np.asarray(sum(others, first) / len(self.read))
-
-    def mean(self, x: Array) -> Array:
-        """Means over steps, shape (..., n), from those over their parts, shape (..., n, parts)."""
-        # A reduction along an axis of a few numbers takes ten times as long.
-        return np.asarray(x @ np.full(x.shape[-1], 1 / x.shape[-1]))
-
-    @cached_property
-    def lean(self) -> Array:
-        """Weights of the parts in the lead of a step's mean velocity over a straight line, shape (parts,).
-
-        The mean velocity of a step is a double integral of the forces: a force in the first part acts on the whole step, one in the last
-        part on almost none of it. Equal weights would be 1 / parts each, and are subtracted.
-        """
-        count = self.demands.shape[2]
-        return np.asarray(2 * (count - np.arange(count) - 0.5) / count**2 - 1 / count)
-
-    @cached_property
-    def around(self) -> tuple[Array, Array]:
-        """Weights of the parts of the step after a sample and of the step before it in the mean of its readings, in steps, shape (parts,) each.
-
-        A constant acceleration moves the readings before and after a sample apart and leaves their mean; one that changes moves it.
-        """
-        count = self.demands.shape[2]
-        part, read = np.arange(count), np.array(self.read)[:, None]
-        share = 1 / (len(self.read) * count)
-        return share * (part < read).sum(axis=0), -share * (part >= count + read).sum(axis=0)
-
-    @cached_property
-    def spread(self) -> float:
-        """Mean square of the times from a sample to its readings, in steps squared."""
-        return float(np.mean(np.square(self.read)) / self.demands.shape[2] ** 2)
 
 
 @dataclass(frozen=True)
@@ -228,8 +168,12 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         # Times between two samples cut the steps of the log in half.
         parts = min(int(np.ceil(h / log.period - WHOLE)) * (2 - count % 2), MOST_PARTS)
         between = _between(vehicle, resample, parts, _read(parts, count))
-    elif held and fixed and any(h > _long(t) and (t.time_constant or 0.0) < EVEN * h for t in vehicle.thrusters):
+    elif (held and vehicle.thrusters and resample.irregular) or (
+        held and fixed and any(h > _long(t) and (t.time_constant or 0.0) < EVEN * h for t in vehicle.thrusters)
+    ):
         between = _between(vehicle, resample, min(int(np.ceil(h / PART - WHOLE)), MOST_PARTS), (0,))
+        if resample.irregular:
+            between = Straddled.of(between, *resample.neighbours)
     force = np.zeros((3, clock.size))
     if not vehicle.thrusters:
         for k, name in enumerate(("force_X", "force_Y", "moment_N")):

@@ -16,7 +16,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.data.channels import Between, Channels
+from ivsid.diagnosis.data.between import Between
+from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.null.closed_loop import GRID_MARGIN, RATIO_ROUNDING, TABLE, Programme, ends, simulated
 from ivsid.diagnosis.plant.declared_readings import declared, drawn_inside, slow_shapes
 from ivsid.diagnosis.plant.physics import Hypothesis
@@ -74,7 +75,7 @@ def thinned(log: Channels, vehicle: Vehicle) -> tuple[Channels, int]:
     bent = not log.held or any(t.lag == "demand" and t.time_constant for t in vehicle.thrusters)
     q = max(1, int(1.0 / (log.h * (SLOWEST_BENT if bent else SLOWEST)) + RATIO_ROUNDING))
     # Null logs have the readings of a moment: a log of means gets the means of its demands as well.
-    if q == 1 and (log.between is None or len(log.between.read) == 1):
+    if q == 1 and (log.between is None or not log.between.apart):
         return log, 1
     n = log.n // q
 

@@ -9,7 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.data.channels import Between, Channels
+from ivsid.diagnosis.data.between import Between
+from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.propulsion import Propulsion
 from ivsid.diagnosis.plant.thrust_errors import ThrustErrors
@@ -190,13 +191,10 @@ class Driving:
         """Impulse of thrusts from each sample to its readings beyond that of an even change, shape (3, n), or None."""
         between = self.log.between
         assert between is not None
-        if len(between.read) == 1:
+        if not between.apart:
             return None
-        after, before = between.around
-        impulse = parts @ after
         # Before the first sample the first demand was in force.
-        impulse[:, 0] += parts[:, 0, 0] * before.sum()
-        impulse[:, 1:] += parts[:, :-1] @ before
+        impulse = between.moved(parts, parts[:, 0, 0])
         whole = bollard_force(self.vehicle, impulse, self._at_samples, np.zeros((3, self.log.n)))
         return self.log.h * whole - self.bend(force[:, self.log.n :])
 

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.data.channels import Between
+from ivsid.diagnosis.data.between import Between
 from ivsid.diagnosis.plant.driving import Inside
 from ivsid.diagnosis.plant.points import Points
 
@@ -100,10 +100,7 @@ class InsideSteps:
 
 def _apart(each: Array, between: Between) -> Array:
     """Mean over the readings of a sample of what the parts before and after it add up to, shape (..., n), from shape (parts, ..., n)."""
-    after, before = between.around
-    found = np.tensordot(after, each, 1)
-    found[..., 1:] += np.tensordot(before, each, 1)[..., :-1]
-    return found
+    return between.moved(np.moveaxis(each, 0, -1))
 
 
 def inside(p: Points, nu: Array, psi: Array, t: Array, driven: Inside | None) -> Points:

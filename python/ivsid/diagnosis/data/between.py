@@ -1,0 +1,153 @@
+"""Demands and angles inside the steps of a clock, and where the readings of its samples were taken."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Between:
+    """Held demands and angles at equal parts of each step of a clock that is slower than the log, shape (thrusters, n, parts) each.
+
+    Attributes:
+        demands: of thrusters, in their own unit.
+        angles: of azimuth thrusters [rad].
+        rudders: angles of rudders [rad].
+        read: parts from a sample to each of the readings whose mean it is.
+    """
+
+    demands: Array
+    angles: Array
+    rudders: Array
+    read: tuple[int, ...] = (0,)
+
+    @property
+    def apart(self) -> bool:
+        """Whether readings are those of other moments than their sample."""
+        return len(self.read) > 1
+
+    @cached_property
+    def _readings(self) -> list[NDArray[np.int64]]:
+        """Parts at the readings of each sample, shape (n,) each."""
+        n, count = self.demands.shape[1:]
+        first = np.arange(0, n * count, count)
+        return [np.clip(first + k, 0, n * count - 1) for k in self.read]
+
+    def sampled(self, x: Array) -> Array:
+        """The mean of a quantity over the readings of each sample, shape (..., n), from its values at the starts of all parts, shape (..., n parts)."""
+        first, *others = (x[..., at] for at in self._readings)
+        return np.asarray(sum(others, first) / len(self.read))
+
+    def mean(self, x: Array) -> Array:
+        """Means over steps, shape (..., n), from those over their parts, shape (..., n, parts)."""
+        # A reduction along an axis of a few numbers takes ten times as long.
+        return np.asarray(x @ np.full(x.shape[-1], 1 / x.shape[-1]))
+
+    @cached_property
+    def lean(self) -> Array:
+        """Weights of the parts in the lead of a step's mean velocity over a straight line, shape (parts,).
+
+        The mean velocity of a step is a double integral of the forces: a force in the first part acts on the whole step, one in the last
+        part on almost none of it. Equal weights would be 1 / parts each, and are subtracted.
+        """
+        count = self.demands.shape[2]
+        return np.asarray(2 * (count - np.arange(count) - 0.5) / count**2 - 1 / count)
+
+    @cached_property
+    def around(self) -> tuple[Array, Array]:
+        """Weights of the parts of the step after a sample and of the step before it in the mean of its readings, in steps, shape (parts,) each.
+
+        A constant acceleration moves the readings before and after a sample apart and leaves their mean; one that changes moves it.
+        """
+        count = self.demands.shape[2]
+        part, read = np.arange(count), np.array(self.read)[:, None]
+        share = 1 / (len(self.read) * count)
+        return share * (part < read).sum(axis=0), -share * (part >= count + read).sum(axis=0)
+
+    def moved(self, rate: Array, first: Array | float = 0.0) -> Array:
+        """The mean of the readings of each sample less the value there, in steps, shape (..., n), of what changes at a rate, shape (..., n, parts).
+
+        Args:
+            rate: over the parts of each step.
+            first: the rate before the first sample, shape (...).
+        """
+        after, before = self.around
+        found = rate @ after
+        found[..., 0] += first * before.sum()
+        found[..., 1:] += rate[..., :-1, :] @ before
+        return np.asarray(found)
+
+    @cached_property
+    def spread(self) -> Array | float:
+        """Mean square of the times from a sample to its readings, in steps squared."""
+        return float(np.mean(np.square(self.read)) / self.demands.shape[2] ** 2)
+
+
+@dataclass(frozen=True)
+class Straddled(Between):
+    """The same where a sample lies on the straight line between a reading before it and one after it, at irregular times.
+
+    Attributes:
+        times: from each sample back to the reading before it and on to the one after it, in steps, neither negative, shape (2, n).
+    """
+
+    times: Array | None = None
+
+    @classmethod
+    def of(cls, between: Between, back: Array, on: Array) -> Self:
+        """The same demands and angles, and how far each reading lies from its sample [steps], shape (n,) each."""
+        return cls(between.demands, between.angles, between.rudders, times=np.clip([back, on], 0.0, 1.0))
+
+    @property
+    def apart(self) -> bool:
+        """As of ``Between``."""
+        return True
+
+    @cached_property
+    def _share(self) -> tuple[Array, Array, Array]:
+        """Weights of the reading before and of that after, and the times to them, shapes (n,), (n,) and (2, n)."""
+        assert self.times is not None
+        back, on = self.times
+        whole = back + on
+        before = np.where(whole > 0, on / np.where(whole > 0, whole, 1.0), 1.0)
+        return before, 1.0 - before, self.times
+
+    def sampled(self, x: Array) -> Array:
+        """As of ``Between``."""
+        n, count = self.demands.shape[1:]
+        before, after, (back, on) = self._share
+        middle = np.arange(n) * count
+        # A demand is in force from its own row on, which begins at the nearest part (``Resampler.between``).
+        at = [np.clip(np.floor(middle + k * count + 0.5).astype(int), 0, n * count - 1) for k in (-back, on)]
+        return np.asarray(before * x[..., at[0]] + after * x[..., at[1]])
+
+    @cached_property
+    def around(self) -> tuple[Array, Array]:
+        """As of ``Between``, for each sample, shape (n, parts) each."""
+        count = self.demands.shape[2]
+        before, after, (back, on) = self._share
+        part = np.arange(count)
+        within = np.clip(count * on[:, None] - part, 0.0, 1.0) / count
+        ahead = np.clip(part + 1 - count * (1 - back[:, None]), 0.0, 1.0) / count
+        return after[:, None] * within, -before[:, None] * ahead
+
+    def moved(self, rate: Array, first: Array | float = 0.0) -> Array:
+        """As of ``Between``."""
+        after, before = self.around
+        found = np.einsum("...np,np->...n", rate, after)
+        found[..., 0] += first * before[0].sum()
+        found[..., 1:] += np.einsum("...np,np->...n", rate[..., :-1, :], before[1:])
+        return np.asarray(found)
+
+    @cached_property
+    def spread(self) -> Array | float:
+        """As of ``Between``, for each sample, shape (n,)."""
+        before, after, (back, on) = self._share
+        return np.asarray(before * back**2 + after * on**2)

@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 from tests.exam.draw import case
 from tests.exam.thrust_errors import SHAPES
 
+from diagnosis_logs import logs_of, vehicle_of
 from ivsid import diagnose
+from ivsid.diagnosis import stages
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.cross_products import Gram
@@ -205,6 +207,26 @@ def test_a_line_does_not_tell_shallow_water_from_weaker_thrusts():
     moved = changed(vehicle, *logs)
     assert moved is not None and moved.factor is not None and not moved.thrusts
     assert shallow(moved).alternatives == () and shallow(moved).confidence == 1.0
+
+
+@pytest.mark.parametrize("explained", [True, False])
+def test_water_is_named_where_the_first_log_is_explained(explained, monkeypatch):
+    """What no cause explains may move all numbers of the first log together: here two thrusters that swap their demands for a minute."""
+    factor = Factor(np.log(1.2), 0.01, 0.0)
+    ratio = dict.fromkeys(("mass.surge", "mass.sway", "drag.surge.quadratic"), (1.2, 0.01))
+    monkeypatch.setattr(stages, "change", lambda *_: Change(ratio, factor))
+    vehicle = vehicle_of()
+    train, test = logs_of(vehicle, duration=120.0)
+    if not explained:
+        minute = (train.t > 40.0) & (train.t < 100.0)
+        port, starboard = (train.columns[f"demand_{name}"] for name in ("port", "starboard"))
+        swapped = {
+            "demand_port": np.where(minute, starboard, port),
+            "demand_starboard": np.where(minute, port, starboard),
+        }
+        train = replace(train, columns={**train.columns, **swapped})
+    found = [f.effect for f in diagnose(vehicle, train, test, null_logs=0).findings]
+    assert found == [EFFECT] if explained else "unknown" in found and EFFECT not in found
 
 
 # Nightly: whole diagnoses.

@@ -132,7 +132,8 @@ def diagnose(
     progress("trying both models on the other log")
     water = shoaling.result()
     gain, shown = trial.result()
-    shoal = water if water is not None and water.factor is not None else None
+    # What the first log leaves unexplained may move all of its parameters together.
+    shoal = water if complete and water is not None and water.factor is not None else None
     # Masses that differ between the logs are a reason to fail on the other one.
     if shoal is None and (refusal := failure(gain, findings, trial.with_thrusts, complete=complete)) is not None:
         withdrawn = {**withdrawn, **{i: refusal for f in findings for i in (f.effect, *f.alternatives)}}

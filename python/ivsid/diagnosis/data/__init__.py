@@ -6,7 +6,8 @@ A log comes with the clocks of its sensors, with gaps, and with sensors that sta
 1. ``from_pose``: a log without velocities gets them as differences of its pose.
 2. Readings are brought to the body origin (``ivsid.sensors.lever_arms``).
 3. ``clock``: the step of the uniform clock is chosen; channels that come too rarely and single outliers (``outliers``) are left out.
-4. ``resampling``: readings and demands are looked up on that clock, and samples without readings are marked.
+4. ``resampling``: readings and demands are looked up on that clock, and samples without readings are marked;
+   ``between`` holds the demands inside its steps, and where the readings of its samples were taken.
 
 ``sensor_noise`` estimates the white noise of each channel from its own scatter, and ``channels`` calls the steps in order.
 

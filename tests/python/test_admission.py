@@ -18,7 +18,14 @@ def admitting(monkeypatch):
     """Admission of the three causes with what the screening says of them, and falls that do not hold in a full fit."""
     scored = [
         SimpleNamespace(
-            id=i, merit=fall, fall=fall, physical=True, count=1, chance=1e-30, candidate=SimpleNamespace(starts=False)
+            id=i,
+            merit=fall,
+            fall=fall,
+            boxed=0.0,
+            physical=True,
+            count=1,
+            chance=1e-30,
+            candidate=SimpleNamespace(starts=False),
         )
         for i, fall in FIRST.items()
     ]
@@ -39,8 +46,10 @@ def admitting(monkeypatch):
         monkeypatch.setattr(admission, name, fake)
     lost = set()
 
-    def admit(refused=None, holding_not=()):
+    def admit(refused=None, holding_not=(), in_box=()):
         lost.update(holding_not)
+        for s in scored:
+            s.boxed = 2 * s.fall if s.id in in_box else 0.0
         refused = {i: SimpleNamespace(rule=rule) for i, rule in (refused or {}).items()}
         passed = [s for s in scored if s.id not in refused]
         screened = SimpleNamespace(
@@ -82,3 +91,19 @@ def test_a_cause_that_its_score_refuses_needs_one_that_passed(admitting, rule, n
     made = admitting({"thruster.saturation": rule}, not_held)
     assert made.found.id == named
     assert named == "thruster.saturation" or made.refused["thruster.saturation"].rule == rule
+
+
+@pytest.mark.parametrize(
+    ("in_box", "named"),
+    [
+        # Errors that would have to leave their bounds are the evidence of the two that passed, and the best fit does not bring them back.
+        (("thruster.deadband", "thruster.curve"), "thruster.deadband"),
+        # One whose own fall counts bears it out.
+        (("thruster.curve",), "thruster.saturation"),
+        # The best one's evidence is of that kind itself.
+        (("thruster.saturation", "thruster.deadband", "thruster.curve"), "thruster.saturation"),
+    ],
+)
+def test_evidence_of_errors_beyond_their_bounds_leads_no_other_cause_in(admitting, in_box, named):
+    made = admitting({"thruster.saturation": "possible size"}, in_box=in_box)
+    assert made.found.id == named

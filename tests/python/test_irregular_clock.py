@@ -96,6 +96,17 @@ def test_demands_of_irregular_rows_act_from_their_rows_on(followed, monkeypatch)
     assert (found.passed == [] and found.quiet) == followed
 
 
+@pytest.mark.parametrize("first", [0, 1, 3])
+def test_velocities_that_set_the_clock_are_read_at_its_times(first):
+    """A velocity in every fifth row, from some row on: half-way between two of them it would be a mean of both."""
+    log = sailed(70.0, 3, 0.0)
+    read = np.arange(log.t.size) % 5 == first
+    columns = {k: np.where(read, x, np.nan) if k in "uv" else x for k, x in log.columns.items()}
+    data = channels(Log("rare.csv", "0" * 64, log.t, columns), parse_vehicle(CRAFT, "craft.toml"))
+    assert data.h == pytest.approx(0.5, rel=1e-6) and data.t[0] == pytest.approx(0.1 * first, abs=1e-9)
+    np.testing.assert_allclose(data.nu[0], log.columns["u"][read][: data.n], atol=1e-6)
+
+
 def test_rows_on_a_uniform_clock_are_no_strays():
     """Rounded stamps, and a row that is lost, leave the others where they are."""
     vehicle, even = parse_vehicle(CRAFT, "craft.toml"), sailed(70.0, 3, 0.0)

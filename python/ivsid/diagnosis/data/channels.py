@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.between import Between, Straddled
-from ivsid.diagnosis.data.clock import RARE, check_usable, paced
+from ivsid.diagnosis.data.clock import RARE, check_usable, first_reading, paced
 from ivsid.diagnosis.data.from_pose import differenced
 from ivsid.diagnosis.data.resampling import Resampler
-from ivsid.diagnosis.data.sensor_noise import sensor_noise
+from ivsid.diagnosis.data.sensor_noise import scale_step, sensor_noise
 from ivsid.log import Log
 from ivsid.sensors.lever_arms import at_origin
 from ivsid.sensors.pose import with_velocities
@@ -65,6 +66,7 @@ class Channels:
         voltage: as a share of its first value, or None.
         depth: [m], or None.
         good: samples at which every channel was measured, shape (n,).
+        steps: of the coarse scales that readings are rounded to, by channel, in its unit.
         noise: standard deviation of each sensor's white noise by channel: nu (3), acceleration (3), psi, place.
         notes: sentences on the samples and channels that are not used.
         running: whether angles run from a sample to the next where demands hold.
@@ -90,6 +92,7 @@ class Channels:
     depth: Array | None
     good: NDArray[np.bool_]
     noise: dict[str, float]
+    steps: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     running: bool = False
     turned: bool = False
@@ -142,14 +145,15 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     known = len(log.notes)
     log, _ = with_velocities(differenced(log), vehicle.sensors)
     check_usable(log)
+    steps = {name: step for name, x in log.columns.items() if (step := scale_step(x))}
     log = at_origin(log, vehicle.sensors)
     held = vehicle.log.demand == "hold"
     # Only a force that keeps its direction is linear in its thrust, so that the mean of one gives that of the other.
     fixed = all(t.steering == "fixed" and t.rudder is None for t in vehicle.thrusters)
     made = log.notes[known:]
     log, h, count, notes = paced(log, inside=held and fixed and bool(vehicle.thrusters))
-    # The first time has as many of its step's readings before it as after it.
-    start = log.t[0] + 0.5 * (count - 1) * (h / count)
+    # The first time has as many of its step's readings before it as after it; velocities that set the clock are read at its times.
+    start = log.t[0] + 0.5 * (count - 1) * (h / count) if count > 1 else first_reading(log)
     clock = np.arange(int(np.floor((log.t[-1] - start) / h + WHOLE)) + 1) * h + start
     resample = Resampler(log, clock, h, count)
     nu = np.stack([resample(n) for n in ("u", "v", "r")])
@@ -205,7 +209,8 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         None if voltage is None else voltage / voltage[0],
         resample.optional("depth"),
         resample.good,
-        sensor_noise(readings, vehicle.sensors, float(h)),
+        sensor_noise(readings, vehicle.sensors, float(h), steps),
+        steps,
         (*made, *notes),
         turned="r" in log.derived,
     )

@@ -60,6 +60,12 @@ def usual_step(log: Log, name: str) -> float:
     return float(np.median(np.diff(log.t[there]))) if there.sum() > 2 else 0.0
 
 
+def first_reading(log: Log) -> float:
+    """The time of the first reading of the velocity that is read most rarely [s]."""
+    rarest = max(("u", "v", "r"), key=lambda name: usual_step(log, name))
+    return float(log.t[int(np.argmax(np.isfinite(log.columns[rarest])))])
+
+
 def paced(log: Log, *, inside: bool) -> tuple[Log, float, int, list[str]]:
     """The log without channels that come too rarely and without outliers, the step of its clock [s], readings in a step, and notes for the reader.
 

@@ -26,21 +26,31 @@ LEAST_SHARE: Final = 1e-6
 # Least noise of a channel that never changes, in its unit.
 # Source: geometry: keeps the inverse of its variance a finite number
 LEAST: Final = 1e-9
+# Largest share of different values among the readings on a coarse scale.
+# Source: definition: each is read four times and more
+COARSE: Final = 0.25
+# Readings by which a scale is told.
+# Source: resource: bounds the time of sorting them
+SOME: Final = 20_000
 # Variance of the first and of the third difference of unit white noise, by order: the sum of the squared binomial coefficients.
 # Source: definition: sums of the squares of 1, 1 and of 1, 3, 3, 1
 DIFFERENCE_VARIANCE: Final = {1: 2.0, 3: 20.0}
 # Differences that the noise is read from, by channel: a motion between jumps of a demand follows a parabola, whose third differences vanish;
 # an acceleration jumps itself, and its first differences vanish between jumps.
+NO_STEPS: Final[Mapping[str, float]] = {}
 _ACCELERATIONS: Final = ("ax", "ay", "rdot")
 
 
-def sensor_noise(readings: Mapping[str, Array | None], sensors: Sensors, h: float) -> dict[str, float]:
+def sensor_noise(
+    readings: Mapping[str, Array | None], sensors: Sensors, h: float, steps: Mapping[str, float] = NO_STEPS
+) -> dict[str, float]:
     """Standard deviation of each channel's white noise, by channel.
 
     Args:
         readings: channels on the clock, shape (n,) each, None where one is not measured.
         sensors: of the vehicle file, with what they are specified for.
         h: step of the clock [s].
+        steps: of the coarse scales that readings are rounded to, by channel.
     """
     specified: dict[str, float | None] = {}
     velocity = None if sensors.velocity is None else sensors.velocity.accuracy / SIGMAS_OF_ACCURACY
@@ -60,8 +70,21 @@ def sensor_noise(readings: Mapping[str, Array | None], sensors: Sensors, h: floa
         guess = specified.get(name)
         if guess:
             size = float(np.clip(size, guess / FROM_SPECIFICATION, guess * FROM_SPECIFICATION))
+        # Most readings of a slow motion on a coarse scale equal the one before, and their differences hide the rounding.
+        size = max(size, steps.get(name, 0.0) / np.sqrt(12))
         found[name] = max(size, LEAST_SHARE * float(np.std(x)), LEAST)
     return found
+
+
+def scale_step(x: Array) -> float:
+    """The step of a coarse scale that readings are rounded to; 0 where hardly any two are equal.
+
+    Args:
+        x: shape (n,); NaN is a missing reading.
+    """
+    read = x[np.isfinite(x)][:SOME]
+    values = np.unique(read)
+    return float(np.median(np.diff(values))) if 1 < values.size < COARSE * read.size else 0.0
 
 
 def scatter(x: Array, order: int) -> float:

@@ -83,7 +83,9 @@ def least_ambient(predictor: Predictor, residual: Array, rows: NDArray[np.bool_]
         if whole.sum() < FEWEST:
             continue
         each = np.add.reduceat(x[lag:] * x[:-lag], edges)[whole] / count[whole]
-        least = each.mean() - ERRORS * each.std(ddof=1) / np.sqrt(each.size)
+        # Readings on a coarse scale are off by what the motion makes of it: a slope over a second by as much as two independent ones.
+        rounded = predictor.log.steps.get("uvr"[k], 0.0) ** 2 / 6
+        least = each.mean() - rounded - ERRORS * each.std(ddof=1) / np.sqrt(each.size)
         out[k] = np.sqrt(max(least, 0.0))
     return out
 

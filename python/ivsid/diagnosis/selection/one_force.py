@@ -78,6 +78,7 @@ class _Asked:
         curves: names of the columns of all curves.
         groups: columns of each curve, among those of all.
         hull: value, least and most of numbers that hulls limit, in their units, by column of the model.
+        boxed: ids of causes whose evidence is that thrust errors would have to leave their bounds, of which their falls know nothing.
     """
 
     own: Mapping[str, list[int]]
@@ -88,6 +89,7 @@ class _Asked:
     curves: Sequence[str]
     groups: Sequence[range]
     hull: Mapping[int, tuple[float, float, float]]
+    boxed: AbstractSet[str]
 
     @classmethod
     def of(cls, fit: Fit, causes: Sequence[Found]) -> Self | None:
@@ -111,7 +113,8 @@ class _Asked:
             wide = wide.joined(curves, lines, lengths)
         limits = hull_limits(fit.noise.predictor.vehicle, fit.h.terms)
         hull = {names.index(i): (fit.h.values[i], *ends) for i, ends in limits.items() if i in names}
-        return cls(own, held, wide, forces, len(slow), curves, groups, hull)
+        boxed = {f.id for f in causes if f.first.boxed > f.fall}
+        return cls(own, held, wide, forces, len(slow), curves, groups, hull, boxed)
 
     def _without(self, ids: Iterable[str]) -> tuple[Projection, list[int], Array]:
         """Least squares on the model without some causes, with their columns and what the errors no longer hold of them."""
@@ -148,7 +151,8 @@ class _Asked:
         )
         refusal = (ONE_FORCE if len(ids) > 1 else BETTER_FORCE).refuses(case, others)
         for group in self.groups:
-            if refusal is not None:
+            # Any function of a velocity explains more beside soft errors than a cause whose evidence is that they have to keep their bounds.
+            if refusal is not None or self.boxed >= set(ids):
                 break
             shape, left, directions = curve_in_their_place(p, at, held, self._curve(group))
             if left <= most:

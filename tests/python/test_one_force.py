@@ -98,6 +98,20 @@ def test_a_thrust_turned_around_replaces_no_drags(unit, stands):
     assert replace(asked, hull={}).refusal(("a", "b"), ()) is not None
 
 
+@pytest.mark.parametrize(("boxed", "refused"), [((), True), (("b",), True), (("a",), False)])
+def test_a_curve_replaces_no_cause_whose_evidence_is_errors_beyond_their_bounds(boxed, refused):
+    """What any function of a velocity explains beside soft errors says nothing of errors that have to keep their bounds."""
+    rng = np.random.default_rng(6)
+    u = rng.uniform(-1.0, 1.0, 400)
+    bend = [np.maximum(u - k, 0.0) for k in (0.0, 0.5)]
+    x = np.stack([*rng.normal(size=(2, 400)), u**3, *rng.normal(size=(2, 400)), *bend], axis=1)
+    y = 40.0 * np.maximum(u - 0.5, 0.0) + 0.1 * rng.normal(size=400)
+    curves, groups = ("surge|u 0", "surge|u 1"), [range(2)]
+    asked = _Asked({"a": [2]}, np.zeros(4), gram_of(x, y), "f", 0, curves, groups, {}, frozenset(boxed))
+    found = asked.refusal(("a",), ())
+    assert (found is not None and found.rule == "better curve") is refused
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_causes_that_add_up_to_one_force_are_refused_and_two_causes_are_not(seed):
     rng = np.random.default_rng(seed)

@@ -89,7 +89,7 @@ class _Asked:
     curves: Sequence[str]
     groups: Sequence[range]
     hull: Mapping[int, tuple[float, float, float]]
-    boxed: AbstractSet[str]
+    boxed: AbstractSet[str] = frozenset()
 
     @classmethod
     def of(cls, fit: Fit, causes: Sequence[Found]) -> Self | None:

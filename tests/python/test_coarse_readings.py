@@ -46,7 +46,8 @@ def test_a_slow_coarse_reading_is_off_by_its_rounding_at_the_least():
         assert data.noise[name] >= 0.95 * off
 
 
-@pytest.mark.parametrize("counted", [True, False])
+# Nightly: that the log shows it without.
+@pytest.mark.parametrize("counted", [True, pytest.param(False, marks=pytest.mark.nightly)])
 def test_rounding_is_no_force(counted, monkeypatch):
     """Without it the slopes of what is rounded are a force that the file does not declare."""
     vehicle, log = coarse()

@@ -87,7 +87,8 @@ def sailed(seconds, seed, astray):
     return Log("craft.csv", "0" * 64, t - t[0], columns)
 
 
-@pytest.mark.parametrize("followed", [True, False])
+# Nightly: that the log shows it without.
+@pytest.mark.parametrize("followed", [True, pytest.param(False, marks=pytest.mark.nightly)])
 def test_demands_of_irregular_rows_act_from_their_rows_on(followed, monkeypatch):
     """On whole steps of the clock they act up to a step late, and the sound log has a delay of its thrusters."""
     if not followed:

@@ -209,7 +209,8 @@ def test_a_line_does_not_tell_shallow_water_from_weaker_thrusts():
     assert shallow(moved).alternatives == () and shallow(moved).confidence == 1.0
 
 
-@pytest.mark.parametrize("explained", [True, False])
+# Nightly: that it is named at all, as whole diagnoses of the night test.
+@pytest.mark.parametrize("explained", [pytest.param(True, marks=pytest.mark.nightly), False])
 def test_water_is_named_where_the_first_log_is_explained(explained, monkeypatch):
     """What no cause explains may move all numbers of the first log together: here two thrusters that swap their demands for a minute."""
     factor = Factor(np.log(1.2), 0.01, 0.0)

@@ -193,6 +193,17 @@ def test_what_held_values_rest_on_is_said(tmp_path):
     assert read_log(tmp_path / "log.csv").assumes == ("the first of equal values of u is a measurement at its row",)
 
 
+def test_what_equal_values_on_a_coarse_scale_rest_on_is_said(tmp_path):
+    """A slower sensor that changes by one step at any time would look alike, so that a proof states what it takes them for."""
+    t = np.arange(0, 600, 0.1)
+    u = np.round((np.sin(0.04 * t) + 0.3 * np.sin(0.11 * t)) / 0.1) * 0.1
+    pl.DataFrame({"t": t, "u": u, "v": np.cos(t)}).write_csv(tmp_path / "log.csv")
+    log = read_log(tmp_path / "log.csv")
+    said = "equal values of u, which changes by one step of its scale at any time, are measurements at their rows"
+    assert log.assumes == (said,) and any("u is on a coarse scale" in n for n in log.notes)
+    assert np.isfinite(log.columns["u"]).all()
+
+
 def test_a_header_of_letters_without_names_is_text(tmp_path):
     (tmp_path / "log.csv").write_text(
         "t,u,\ud7fc\ud7fc\U00011daa\U0001342f\U00018cd6\n0,1,0\n1,2,0\n2,1,0\n", encoding="utf-8"

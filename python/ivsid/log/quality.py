@@ -51,7 +51,7 @@ def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
         values: shape (n,); NaN is a missing sample.
 
     Returns:
-        The values, the number of repeats, and a note for the user or None.
+        The values, the number of repeats that are missing now, and a note for the user on how equal values are taken, or None.
     """
     if name not in HOLDABLE:
         return values, 0, None
@@ -68,8 +68,14 @@ def without_held(name: str, values: Array) -> tuple[Array, int, str | None]:
     np.not_equal(present[1:], present[:-1], out=new[1:])
     if new.all():
         return values, 0, None
-    if not _held(np.flatnonzero(new)) or _coarse(present, new):
+    if not _held(np.flatnonzero(new)):
         return values, 0, None
+    if _coarse(present, new):
+        return (
+            values,
+            0,
+            f"{name} is on a coarse scale; its equal values are taken as measurements, each at its own row",
+        )
     repeats = np.flatnonzero(~new)
     runs = np.diff(np.flatnonzero(new))
     kept = values.copy()

@@ -275,7 +275,12 @@ def _examine(reading: Reading, stamps: Mapping[Clocked, Array]) -> None:
         values, repeats, note = without_held(name, channel.values)
         if note:
             reading.notes.append(note)
-            reading.assumes.append(f"the first of equal values of {name} is a measurement at its row")
+            if repeats:
+                reading.assumes.append(f"the first of equal values of {name} is a measurement at its row")
+            else:
+                reading.assumes.append(
+                    f"equal values of {name}, which changes by one step of its scale at any time, are measurements at their rows"
+                )
             reading.channels[name] = replace(channel, values=values)
         found, words = examine(name, stamps[channel.clock], values, repeats, reading.source.name, steps[channel.clock])
         reading.quality[name] = found

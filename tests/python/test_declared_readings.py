@@ -98,6 +98,14 @@ def test_a_hint_says_the_scale_of_the_velocity_with_its_bound(side):
     assert said and re.search(r"([+-][\d.]+) %", said[0])[1].startswith("+" if side > 0 else "-")
 
 
+def test_a_gyro_that_wanders_inside_its_accuracy_makes_no_finding():
+    here = setting(40, **VESSEL)
+    text = re.sub(r"(\[sensors.yaw_rate\]\n)[^\[]*", r"\1accuracy = 0.1\n", here.text)
+    assert text != here.text
+    result = diagnose(parse_vehicle(text, "vehicle.toml"), *logs_of(here, {}, {"r": (0.1, wandering)}))
+    assert (result.verdict, result.findings) == ("adequate", ())
+
+
 def test_a_hint_says_the_bias_of_a_velocity():
     result = diagnosed(setting(42, **VESSEL), moves=VELOCITIES["constant"])
     said = {h.split(" is about ")[0]: float(h.split()[-5]) for h in result.hints if " is about " in h}

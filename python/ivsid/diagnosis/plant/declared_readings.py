@@ -23,10 +23,7 @@ Array = NDArray[np.float64]
 # Standard deviation of an error with a bound of its own, in units of its bound.
 # Source: theorem: 3.29 of them, half an interval of 99.9 %, hold the bound; a scale at its bound costs 9 in chi-squared, of the 25 that count
 SCALE: Final = 1 / 3
-# Shapes in time of a bias whose instability is declared: a constant, and cosines of half a period and of one over the log.
-# Source: measured: make constants
-SLOW_WAVES: Final = 3
-# The same of an error whose bound alone is declared: up to three periods.
+# Shapes in time of a slow error: a constant, and cosines of half a period to three periods over the log.
 # Source: measured: of 26 sound logs whose velocities wandered in up to three periods, three had an oscillating current beside five shapes, and none beside seven;
 # two sound logs whose gyro wandered so, beside three shapes, had a heading that was 3.8 and 4.9 times as wrong as declared, and none beside seven
 WANDERING: Final = 7
@@ -53,7 +50,7 @@ _FIXED: Final[Mapping[str, Callable[[Mapping[str, Array]], dict[str, Array]]]] =
 def slow_shapes(n: int) -> list[Array]:
     """Shapes in time of a slow error over a log of n samples, shape (n,) each."""
     t = (np.arange(n) + 0.5) / n
-    return [np.cos(np.pi * j * t) for j in range(max(SLOW_WAVES, WANDERING))]
+    return [np.cos(np.pi * j * t) for j in range(WANDERING)]
 
 
 class _Slow(NamedTuple):
@@ -66,11 +63,6 @@ class _Slow(NamedTuple):
 
     deviation: float
     bound: float | None
-
-    @property
-    def shapes(self) -> int:
-        """Number of its shapes."""
-        return SLOW_WAVES if self.bound is None else WANDERING
 
 
 def _of(accuracy: float, instability: float = 0.0) -> _Slow:
@@ -114,7 +106,7 @@ def _bounds(vehicle: Vehicle) -> dict[str, float]:
 
 def deviations(vehicle: Vehicle) -> Iterator[tuple[str, float]]:
     """Name and standard deviation of each declared error of a reading that is not nothing."""
-    found = {f"{BIAS}{q}.{j}": e.deviation for q, e in _slow(vehicle).items() for j in range(e.shapes)}
+    found = {f"{BIAS}{q}.{j}": e.deviation for q, e in _slow(vehicle).items() for j in range(WANDERING)}
     found |= {name: SCALE * bound for name, bound in _bounds(vehicle).items()}
     return ((name, size) for name, size in found.items() if size)
 

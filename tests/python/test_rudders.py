@@ -1,10 +1,18 @@
 """Rudders: the foil, its force over boxes, and in rows."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from conftest import as_log
 from ivsid import IntervalArray, IvsidError, identify
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.declared_errors import nuisances
+from ivsid.diagnosis.estimation.signatures import Signatures
+from ivsid.diagnosis.plant.physics import Hypothesis, acceleration
+from ivsid.diagnosis.prediction.axes import Ambient
+from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.effects import terms_of
 from ivsid.log import Log
 from ivsid.programme.scenario import Start
@@ -15,7 +23,7 @@ from ivsid.rows import build_rows
 from ivsid.sensors.bounds import bound_log
 from ivsid.simulation import follow, simulate
 from ivsid.vehicle import Thruster, parse_vehicle
-from test_actuators import VALUES, scenario_of, vehicle_of
+from test_actuators import PRBS, VALUES, scenario_of, vehicle_of
 from test_rows import violated
 
 RUDDER = '\n[[thrusters]]\nname = "screw"\nposition = [-0.5, 0.0]\ngain = 0.4\nrudder = { area = 0.02, aspect_ratio = 1.5, position = -0.55, propeller_diameter = 0.12, rate = 0.5 }\n'
@@ -50,6 +58,29 @@ def test_a_rudder_turns_the_vehicle_and_is_identified(window):
     bare = parse_vehicle(vehicle.text.split("[sensors.limits]")[0], "bare.toml")
     with pytest.raises(IvsidError, match=r"has a rudder.*needs \[sensors.limits\]"):
         identify(bare, as_log(made))
+
+
+@pytest.mark.parametrize("off", [0.0, -0.5])
+def test_a_thrust_error_moves_the_force_of_a_blade_that_errs(off):
+    """The signature against the physics with and without the error, at the same states."""
+    text = RUDDER.replace("rate = 0.5", "rate = 0.5, accuracy = 0.2").replace(
+        "gain = 0.4", "gain = 0.4\naccuracy = { absolute = 0.5 }"
+    )
+    vehicle = vehicle_of(text)
+    # A diagnosis asks for more than a minute.
+    longer = scenario_of(PRBS.replace("duration = 60.0", "duration = 90.0"))
+    log = channels(as_log(simulate(vehicle, longer, 3)), vehicle)
+    predictor = Predictor(vehicle, log, Ambient((0.01, 0.01, 0.01), (2.0, 2.0, 2.0)))
+    h = Hypothesis(tuple(terms_of(vehicle)), VALUES, declared_errors={"~rudder.screw": off})
+    states = predictor.settle(predictor.start(h), 2)
+    columns = nuisances(Signatures(predictor, states))
+    for name in ("~thrust.screw.0", "~thrust.screw.3"):
+        there = replace(h, declared_errors={**h.declared_errors, name: 0.01})
+        one, other = (acceleration(vehicle, x, states.points.under(*predictor.driving.force(x))) for x in (h, there))
+        expected = predictor.answer((other - one) / 0.01)
+        found = columns.arrays[columns.names.index(name)]
+        # The blade answers to the square root of the stream, whose slopes are differences.
+        assert np.linalg.norm(found - expected) < 0.01 * np.linalg.norm(expected)
 
 
 @pytest.mark.parametrize("seed", range(8))

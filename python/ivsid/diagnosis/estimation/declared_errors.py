@@ -93,6 +93,8 @@ def thrust_answers(s: Signatures, k: int, errors: Array, relative: tuple[Array, 
     angle, (x, y) = predictor.driving.turned[k], thruster.position
     c, sine = np.cos(angle), np.sin(angle)
     blade = blade_force(predictor.vehicle, k, p, p.thrusts[k], relative)
+    # A blade that errs brings that share of what the thrust moves it by as well.
+    whole = 1.0 + s.h.declared_errors.get(f"~rudder.{thruster.name}", 0.0)
     # The loss by inflow of an error is small: it takes the same share of the error as of the thrust.
     shares = np.stack([c, sine, x * sine - y * c])
     pushed = s.mass.solve(shares)
@@ -101,5 +103,5 @@ def thrust_answers(s: Signatures, k: int, errors: Array, relative: tuple[Array, 
         if thruster.rudder is not None:
             # The stream on the blade changes with the thrust, and with it the blade's force.
             more = blade_force(predictor.vehicle, k, p, p.thrusts[k] + BLADE_STEP * error, relative)
-            process = process + s.mass.solve(more - blade) / BLADE_STEP
+            process = process + s.mass.solve(whole * (more - blade)) / BLADE_STEP
         yield predictor.answer(process)

@@ -49,6 +49,14 @@ def test_readings_are_means_of_two_and_the_clock_stands_between_them():
     assert slow.n == log.t.size and data.noise["u"] == pytest.approx(slow.noise["u"] / np.sqrt(2), rel=0.1)
 
 
+@pytest.mark.parametrize(("rate", "count"), [(12.5, 1), (13.0, 1), (19.0, 1), (20.0, 2), (26.0, 2), (30.0, 3)])
+def test_means_are_over_a_tenth_of_a_second_at_most(rate, count):
+    """A log of 13 Hz in means of two had a step of 0.15 s, in which a light hull forgets what its thrusters did."""
+    vehicle, log = made(exact=False)
+    data = channels(replace(log, t=log.t * (20.0 / rate)), vehicle)
+    assert 1 / data.h == pytest.approx(rate / count, rel=1e-3)
+
+
 @pytest.mark.parametrize("cause", [(), ("thruster.lag", 0.3), ("thruster.delay", 0.13), ("thruster.shaft_lag", 0.2)])
 def test_means_add_no_error_to_predictions(cause, monkeypatch):
     """Wherever in a step demands jump, the true model's predictions are off by what they are off by on the log's own clock.

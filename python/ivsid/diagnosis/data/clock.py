@@ -17,6 +17,10 @@ HIGHEST_RATE: Final = 25.0
 # Highest rate of the clock [Hz] where demands are looked up inside its steps; the readings of a quicker log are averaged over the steps.
 # Source: physics: the motion of a hull has time constants above 0.1 s, so that means over a step of that length show it
 HIGHEST_MEAN_RATE: Final = 12.5
+# Longest step of the clock over which readings are averaged [s].
+# Source: physics: the time constants of a hull's motion; at 13 Hz, in means over 0.15 s, a sound vessel had structure of eight standard deviations in the
+# change of its thrust, and none in its readings themselves
+LONGEST_MEAN: Final = 0.1
 # Largest usual turn in a step over which readings are averaged [rad].
 # Source: physics: sin x and x differ by 0.2 % at 0.1 rad, and so does the mean of a velocity from that at the middle of the step
 LARGEST_MEAN_TURN: Final = 0.1
@@ -91,7 +95,7 @@ def paced(log: Log, *, inside: bool) -> tuple[Log, float, int, list[str]]:
         notes.append(f"the clock is that of the slowest velocity: {1 / h:.3g} samples a second")
     count, turning = 1, float(np.nanquantile(np.abs(log.columns["r"]), USUAL))
     if inside and slowest <= RARE * h and 1 / h > HIGHEST_MEAN_RATE * CLOCK_TOLERANCE:
-        most = LARGEST_MEAN_TURN / max(turning * h, 1e-300)
+        most = min(LARGEST_MEAN_TURN / max(turning * h, 1e-300), CLOCK_TOLERANCE * LONGEST_MEAN / h)
         count = max(1, int(min(np.ceil(1 / h / HIGHEST_MEAN_RATE), most)))
     if count > 1:
         h *= count

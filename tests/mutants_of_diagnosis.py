@@ -178,8 +178,15 @@ DIAGNOSIS = (
     python(
         "accuracies that are noise alone",
         "diagnosis/plant/declared_readings.py",
-        "{q: s.accuracy for",
-        "{q: 0.0 * s.accuracy for",
+        "{q: _of(s.accuracy) for",
+        "{q: _of(0.0 * s.accuracy) for",
+        "test_declared_readings.py",
+    ),
+    python(
+        "a gyro that does not wander",
+        "diagnosis/plant/declared_readings.py",
+        "for q, e in _slow(vehicle).items() for j in range(WANDERING)}",
+        'for q, e in _slow(vehicle).items() for j in range(3 if q == "r" else WANDERING)}',
         "test_declared_readings.py",
     ),
     python(

@@ -102,7 +102,14 @@ def test_a_sea_of_a_few_lines_makes_no_finding(seed):
     assert (result.verdict, result.findings) == ("adequate", ())
 
 
-@pytest.mark.parametrize(("hidden", "function"), [("x.windage", "sin 2 psi in yaw"), ("x.house", "cos 3 psi in surge")])
+# Nightly: a second force of the heading, in another harmonic.
+@pytest.mark.parametrize(
+    ("hidden", "function"),
+    [
+        ("x.windage", "sin 2 psi in yaw"),
+        pytest.param("x.house", "cos 3 psi in surge", marks=pytest.mark.nightly),
+    ],
+)
 def test_a_force_that_repeats_within_a_turn_is_unknown(hidden, function):
     """Forces of four and of nine times the declared ambient force were adequate: the dictionary had no harmonics of the heading."""
     result = diagnosed(40, (hidden, 1.0))

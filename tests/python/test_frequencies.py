@@ -98,8 +98,8 @@ def test_the_strength_is_the_mean_fall_in_noise_of_any_spectrum(logged, kind):
     assert (said.max() > 5.0) == (kind == "gusts")
 
 
-# Nightly: white noise, whose falls the gate draws in other tests.
-@pytest.mark.parametrize("kind", [pytest.param(k, marks=[pytest.mark.nightly] * (k == "white")) for k in NOISES])
+# Nightly: white noise, whose falls the gate draws in other tests, and gusts, whose frequencies are more than the band's.
+@pytest.mark.parametrize("kind", [pytest.param(k, marks=[pytest.mark.nightly] * (k != "band")) for k in NOISES])
 def test_few_frequencies_make_no_rare_falls_common(logged, kind):
     """Falls over their strengths are as rare as they say in draws, whatever the spectrum and however few frequencies make it."""
     some, chances, without = linear(logged)[::4], [], []

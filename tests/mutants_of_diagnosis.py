@@ -185,8 +185,8 @@ DIAGNOSIS = (
     python(
         "a gyro that does not wander",
         "diagnosis/plant/declared_readings.py",
-        "for q, e in _slow(vehicle).items() for j in range(WANDERING)}",
-        'for q, e in _slow(vehicle).items() for j in range(3 if q == "r" else WANDERING)}',
+        "for q, e in slow for j in range(WANDERING)}",
+        'for q, e in slow for j in range(3 if q == "r" else WANDERING)}',
         "test_declared_readings.py",
     ),
     python(

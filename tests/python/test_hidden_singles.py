@@ -123,13 +123,13 @@ def test_a_cause_stands_by_the_direction_that_shows_it(seed, id_):
 def test_teeth_inside_a_cell_are_no_cause_in_time():
     """On a circle, whose demands drift, a saw's teeth at their bounds were a fouling of 11 standard deviations beside usual cells.
 
-    Beside biases of seven shapes fouling and failure keep 22 and 26 in chi-squared there, of 34 and 32 beside three; finer cells leave nothing of either.
+    Beside biases of seven shapes fouling and failure keep 26 and 28 in chi-squared there, of 34 and 32 beside three; finer cells leave nothing of either.
     """
     fit, found = scored(82106, what="none", thrust="sawtooth", share=1.0)
     here = Round(fit, tuple(found.values()), 1e-4, {})
     for id_ in ("fouling.drift", "thruster.failure"):
         assert inside_cells(fit, found[id_]) and here.left(found[id_]) < 1.0
-        assert Directions(AnyCurve(fit)).left(found[id_]) > 20.0
+        assert Directions(AnyCurve(fit)).left(found[id_]) > 25.0
     count = [sum(n.startswith("~cell.") for n in free.g.names) for free in (here.curve, here.finer_directions.free)]
     assert count[0] < count[1] <= FINER * count[0]
     assert not inside_cells(fit, found["drag.surge.linear"])

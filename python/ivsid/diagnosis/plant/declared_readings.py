@@ -57,19 +57,21 @@ class _Slow(NamedTuple):
     """A slow error of a reading.
 
     Attributes:
-        deviation: standard deviation of the size of each of its shapes.
+        constant: standard deviation of its constant part.
+        wave: the same of each of its cosines.
         bound: of the whole error; none where its standard deviation alone is declared.
     """
 
-    deviation: float
+    constant: float
+    wave: float
     bound: float | None
 
 
 def _of(accuracy: float, instability: float = 0.0) -> _Slow:
-    """The error of an accuracy and of an instability beside it."""
-    if not accuracy:
-        return _Slow(instability, None)
-    return _Slow(instability + BOUNDED * accuracy, accuracy + instability / SCALE)
+    """The error of an accuracy and of an instability beside it, whose waves together vary as its constant does."""
+    waves = instability * float(np.sqrt(2.0 / max(WANDERING - 1, 1)))
+    bound = accuracy + instability / SCALE if accuracy else None
+    return _Slow(instability + BOUNDED * accuracy, waves + BOUNDED * accuracy, bound)
 
 
 def _slow(vehicle: Vehicle) -> dict[str, _Slow]:
@@ -106,7 +108,8 @@ def _bounds(vehicle: Vehicle) -> dict[str, float]:
 
 def deviations(vehicle: Vehicle) -> Iterator[tuple[str, float]]:
     """Name and standard deviation of each declared error of a reading that is not nothing."""
-    found = {f"{BIAS}{q}.{j}": e.deviation for q, e in _slow(vehicle).items() for j in range(WANDERING)}
+    slow = _slow(vehicle).items()
+    found = {f"{BIAS}{q}.{j}": e.wave if j else e.constant for q, e in slow for j in range(WANDERING)}
     found |= {name: SCALE * bound for name, bound in _bounds(vehicle).items()}
     return ((name, size) for name, size in found.items() if size)
 

@@ -53,8 +53,10 @@ SHIPPED = frozenset(EFFECTS)
 def white_sensors() -> Iterator[None]:
     """Velocities, headings and positions with noise and a scale alone, and sensors that stand where they are said to."""
     with pytest.MonkeyPatch.context() as only:
-        for name in ("WANDERING", "LEAST_ARM", "LEAST_TURN"):
+        for name in ("LEAST_ARM", "LEAST_TURN"):
             only.setattr(declared_readings, name, 0)
+        slow = declared_readings._of
+        only.setattr(declared_readings, "_of", lambda accuracy, instability=0.0: slow(0.0, instability))
         yield
 
 

@@ -14,7 +14,7 @@ from ivsid.log import Log
 # Highest rate of the clock [Hz]; a quicker log is thinned.
 # Source: physics: the motion of a hull and of its thrusters has time constants above 0.1 s, which two samples and more resolve
 HIGHEST_RATE: Final = 25.0
-# Highest rate of the clock [Hz] where demands are looked up inside its steps; the readings of a quicker log are averaged over the steps.
+# Highest rate of the clock [Hz] where demands are looked up inside its steps; the readings of a quicker log are averaged over steps of ``LONGEST_MEAN`` at most.
 # Source: physics: the motion of a hull has time constants above 0.1 s, so that means over a step of that length show it
 HIGHEST_MEAN_RATE: Final = 12.5
 # Longest step of the clock over which readings are averaged [s].

@@ -69,7 +69,7 @@ class _Slow(NamedTuple):
 
 def _of(accuracy: float, instability: float = 0.0) -> _Slow:
     """The error of an accuracy and of an instability beside it, whose waves together vary as its constant does."""
-    waves = instability * float(np.sqrt(2.0 / max(WANDERING - 1, 1)))
+    waves = instability * float(np.sqrt(2.0 / (WANDERING - 1)))
     bound = accuracy + instability / SCALE if accuracy else None
     return _Slow(instability + BOUNDED * accuracy, waves + BOUNDED * accuracy, bound)
 

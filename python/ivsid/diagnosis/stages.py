@@ -101,6 +101,12 @@ def diagnose(
     progress("looking for causes")
     selection = _named(fit, scored, test_of, progress)
     passed = _undecided(selection, judging)
+    # A sufficient model is asked for its motion only where causes are named, and null logs leave time for it meanwhile.
+    moving = Apart(
+        partial(motion_of, proof, train, test),
+        late=True,
+        begun=bool(selection.found) and judging.result()[1] is None,
+    )
     confirmation = confirmed(fit, test_of, passed, looks, selection.last)
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
         progress("looking again, at the threshold of the null logs")
@@ -125,7 +131,6 @@ def diagnose(
         rest = replace(rest, after=replace(after, risk=structure.risk), findings=len(findings))
         complete = _complete(rest, proof, vehicle, train)
     trial.look()
-    moving = Apart(partial(motion_of, proof, train, test)) if motion is None and findings else None
     proved, extended = (
         proved_findings(findings, vehicle, train, trial.model, running=log.running) if complete else (findings, None)
     )
@@ -159,7 +164,9 @@ def diagnose(
     alone = rest.after.certain and complete == rest.sufficient and not (selection.found and rest.after is rest.before)
     claimed = claims(selection.last, selection.leftover, findings, unknown=None if alone else rest.after)
     visible = _limited(visible, limits.result())
-    motion = (() if moving is None else moving.result()) if motion is None else motion
+    if motion is None:
+        motion = moving.result() if findings else ()
+    moving.end()
     findings = weighed(findings if shoal is None else (*findings, shallow(shoal)), shown)
     verdict = verdict_of(findings)
     said = [

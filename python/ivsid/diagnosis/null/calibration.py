@@ -39,7 +39,7 @@ from ivsid.intervals.apart import end_with_parent
 Array = NDArray[np.float64]
 # Numbers of null logs after which their scores may decide; all of them are examined only where these leave doubt.
 # Source: resource: each look costs about twice as much as those before it
-LOOKS: Final = (20, 60, 160)
+LOOKS: Final = (20, 50, 100, 200)
 # Null logs from which the whitening is learnt.
 # Source: resource: each takes as long as a null log that is examined
 LEARN: Final = 2
@@ -218,8 +218,8 @@ def scores(trial: Trial, seed: int, numbers: Sequence[int]) -> Generator[tuple[f
 
 
 def _in_parts(trial: Trial, seed: int, numbers: Sequence[int]) -> Iterator[tuple[float, bool]]:
-    """Scores of null logs, of which some are simulated together: first as many as the first look asks for."""
-    edges = [0, *range(LOOKS[0], len(numbers), TOGETHER), len(numbers)]
+    """Scores of null logs, of which some are simulated together: first as many as few findings ask for, since a step costs the same for all."""
+    edges = [0, *range(LOOKS[1], len(numbers), TOGETHER), len(numbers)]
     yield from trial.strengths(seed, [numbers[first:end] for first, end in pairwise(edges)])
 
 

@@ -190,6 +190,13 @@ DIAGNOSIS = (
         "test_declared_readings.py",
     ),
     python(
+        "a yaw that forgets within a row",
+        "diagnosis/estimation/noise.py",
+        "np.sqrt(np.mean(slopes[2, 2] ** 2))) > 1",
+        "np.sqrt(np.mean(slopes[2, 2] ** 2))) > 10",
+        "test_straight_runs.py",
+    ),
+    python(
         "readings that leave their bounds",
         "diagnosis/selection/adequacy.py",
         "return self.read >= self.risk",

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis_logs import SENSORS, STRAIGHT, TRUTH, TWIN
+from diagnosis_logs import SENSORS, STRAIGHT, TRUTH, TWIN, train_of
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import determined, plain_fit, undetermined
@@ -116,3 +116,18 @@ def test_drags_of_yaw_that_a_straight_run_leaves_open_are_those_of_a_hull():
     numbers = determined(fit).values
     assert all(0.3 < numbers[i] < 10 for i in ids[-2:])
     assert all(i in left_out_note(fit)[0] for i in ids[-2:])
+
+
+def test_yaw_is_left_out_where_its_turns_are_over_within_two_rows():
+    """Beside large rudders whose moment damped 3 to 14 times a second, a sound model was told from its log by the noise of the rows alone."""
+    terms = [*TRUTH, "drag.yaw.linear"]
+    vehicle = parse_vehicle(f"{TWIN}{SENSORS}\n[model]\nterms = {terms}\n", "damped.toml")
+    hidden = {"drag.yaw.linear": 2.0 * TRUTH["inertia.yaw"]}
+    rare, often = (
+        plain_fit(vehicle, channels(train_of(vehicle, hidden, rate=rate), vehicle), everything) for rate in (4.0, 10.0)
+    )
+    assert (rare.noise.left_out, often.noise.left_out) == ({2}, frozenset())
+    (note,) = left_out_note(rare)
+    # It turns well enough: more rows show the damping.
+    assert "damps its turns too quickly for readings of yaw every 0.25 s" in note and "hardly turns" not in note
+    assert often.h.values["drag.yaw.linear"] == pytest.approx(18.0, rel=0.1)

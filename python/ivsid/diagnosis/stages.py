@@ -164,9 +164,7 @@ def diagnose(
     alone = rest.after.certain and complete == rest.sufficient and not (selection.found and rest.after is rest.before)
     claimed = claims(selection.last, selection.leftover, findings, unknown=None if alone else rest.after)
     visible = _limited(visible, limits.result())
-    if motion is None:
-        motion = moving.result() if findings else ()
-    moving.end()
+    motion = _allowed(motion, moving, findings)
     findings = weighed(findings if shoal is None else (*findings, shallow(shoal)), shown)
     verdict = verdict_of(findings)
     said = [
@@ -280,6 +278,16 @@ def _judged(fit: Fit, proof: Proof, train: Log, test: Log) -> tuple[Adequacy, tu
     """Adequacy of the model as it was, and the motion that it allows, or None: an adequate model is asked by its rows alone."""
     before = adequacy(fit)
     return before, None if before.quiet else motion_of(proof, train, test)
+
+
+def _allowed(
+    motion: tuple[TubeCheck, ...] | None, moving: Apart[tuple[TubeCheck, ...]], findings: tuple[Finding, ...]
+) -> tuple[TubeCheck, ...]:
+    """The motion that the model allows, which of a sufficient model is asked for beside findings alone."""
+    if motion is None:
+        motion = moving.result() if findings else ()
+    moving.end()
+    return motion
 
 
 def _refuted(

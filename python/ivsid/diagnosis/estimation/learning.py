@@ -21,6 +21,7 @@ from ivsid.diagnosis.estimation.noise import (
     axes_left_out,
     declared_ambient,
     quick_enough,
+    rows_too_long,
     settled_after,
     usable_rows,
 )
@@ -157,10 +158,12 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search, *, unseen: bool = Fa
     quicker = quick_enough(predictor, slopes)
     damped, predictor = quicker is not predictor, quicker
     noise, states = learn(predictor, predictor.settle(predictor.start(h), 2), search, claimed, left_out)
-    if log.turned and damped and not left_out and axes_left_out(noise.predictor):
-        # A filter that forgets as quickly as the hull damps follows the noise of a heading alone.
+    states = improve(Problem.at(noise, claimed, states), states)
+    # A filter that forgets as quickly as the hull damps follows the noise of a heading alone.
+    noisy = log.turned and damped and axes_left_out(noise.predictor)
+    if not left_out and (noisy or rows_too_long(noise.predictor, noise.predictor.slopes(states))):
         return _plain(vehicle, log, search, unseen=True)
-    return survey(noise, improve(Problem.at(noise, claimed, states), states), claimed)
+    return survey(noise, states, claimed)
 
 
 def _expected(dry: Ambient, wet: Ambient) -> Ambient:

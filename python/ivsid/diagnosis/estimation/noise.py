@@ -92,7 +92,7 @@ MOVING: Final = 20.0
 # Least standard deviation of the yaw rate of a hull of 1 m that turns [rad/s]; longer hulls turn more slowly, after Froude.
 # Source: measured: make constants
 TURNING: Final = 0.015
-# The axis that is left out where a vehicle hardly turns.
+# The axis that is left out where a vehicle hardly turns, or damps its turns within a row or two of the log.
 # Source: definition: the third of surge, sway and yaw
 YAW: Final = frozenset({2})
 
@@ -253,6 +253,18 @@ def _slope_of_heading(here: Axis, errors: Array, decay: float, h: float) -> Arra
         velocity += h * wind
         wind *= decay
     return np.gradient(out, h)
+
+
+def rows_too_long(predictor: Predictor, slopes: Array) -> bool:
+    """Whether a hull damps its turns so quickly that no filter of rows this far apart forgets as quickly.
+
+    A turn is then over within a row or two, and what a model makes of the readings before it holds little but their noise.
+
+    Args:
+        predictor: of the log.
+        slopes: of the accelerations with the velocities [1/s], shape (3, 3, samples).
+    """
+    return float(QUICKER * predictor.log.h * np.sqrt(np.mean(slopes[2, 2] ** 2))) > 1
 
 
 def axes_left_out(predictor: Predictor) -> frozenset[int]:

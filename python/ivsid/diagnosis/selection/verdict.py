@@ -27,7 +27,7 @@ class Left:
         after: adequacy of the model with the causes that were found.
         before: adequacy of the plain model.
         findings: number of causes that were found.
-        straight: whether the vehicle hardly turns: slow causes imitate one another there, so that no rest is little.
+        straight: whether yaw is left out: slow causes imitate one another there, so that no rest is little.
         imitated: falls of chi-squared by causes that passed every test and that one force of no cause explains as well, or better.
         wider: factor on all declared bounds from which on some numbers of the plain model explain the rows of the log; at most 1 without a proof that
             none do inside the bounds, and infinite where no factor would do.
@@ -55,7 +55,7 @@ class Left:
 
 STRUCTURE_RULE: Final = Rule[Left](
     "structure",
-    f"chance of the structure, where {100 * REST:g} % or more of the structure before is left, no cause was found or the vehicle hardly turns",
+    f"chance of the structure, where {100 * REST:g} % or more of the structure before is left, no cause was found or yaw is left out",
     f"at least {RISK:g}, or less where null logs of this programme say so",
     f"Over regressors and thrust errors together, {100 * STRUCTURE:g} % of logs with nothing hidden may be called unknown.",
     "definition: levels of the verdict in docs/constants.md",
@@ -89,7 +89,7 @@ OF_THE_SEA: Final = Rule[Left](
 OF_FORCES: Final = Rule[Left](
     "force of no cause",
     f"causes that passed every test and that one force of no cause explains as well, or better, where {100 * REST:g} % or more of the structure before "
-    "is left, no cause was found or the vehicle hardly turns",
+    "is left, no cause was found or yaw is left out",
     "0",
     "What passes every test is no chance, however little of it the regressors see. Logs with nothing hidden give such causes as rarely as findings.",
     "definition: levels of the verdict in docs/constants.md",

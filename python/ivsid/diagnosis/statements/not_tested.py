@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.learning import undetermined
+from ivsid.diagnosis.estimation.noise import axes_left_out
 from ivsid.diagnosis.estimation.whitening import SLOW
 from ivsid.diagnosis.null.visibility import VISIBLE, Visibility
 from ivsid.effects import EFFECTS
@@ -34,7 +35,7 @@ def not_tested(fit: Fit, visible: Mapping[str, Visibility], named: Collection[st
             reason = "in this log its signature is mostly made of the sensors' own errors"
             out.append({"effect": id_, "reason": reason, "needs": EFFECTS[id_].separate})
         elif v.z < VISIBLE and fit.noise.left_out and EFFECTS[id_].turning:
-            reason = f"the vehicle hardly turns, and yaw is left out: beside it an effect of typical size would stand out by {v.z:.1f} standard deviations"
+            reason = f"{_why(fit)}, and yaw is left out: beside it an effect of typical size would stand out by {v.z:.1f} standard deviations"
             out.append({"effect": id_, "reason": reason, "needs": EFFECTS[id_].separate})
         elif v.z < VISIBLE:
             reason = f"an effect of typical size would stand out by {v.z:.1f} standard deviations, and {VISIBLE:g} are needed"
@@ -50,7 +51,14 @@ def left_out_note(fit: Fit) -> list[str]:
     unknown = undetermined(fit)
     usual = [t.id for t in fit.h.terms if (t.id in fit.fixed and t.id not in claimed) or t.id in unknown]
     return [
-        "the vehicle hardly turns: yaw is left out, so that causes that act by their moment alone are not tested. The yaw rate is that of its "
-        f"sensors, and sway counts in means over {SLOW:g} s. Of the models {', '.join(usual) or 'the parameters of yaw'} are those of a usual "
+        f"{_why(fit)}: yaw is left out, so that causes that act by their moment alone are not tested. The yaw rate is that of its sensors, and sway counts in means over {SLOW:g} s. Of the models {', '.join(usual) or 'the parameters of yaw'} are those of a usual "
         "hull of this mass and length, not of this log"
     ]
+
+
+def _why(fit: Fit) -> str:
+    """The reason why yaw is left out."""
+    predictor = fit.noise.predictor
+    if axes_left_out(predictor):
+        return "the vehicle hardly turns"
+    return f"the hull damps its turns too quickly for readings of yaw every {predictor.log.h:.3g} s (more rows a second may show them)"

@@ -190,6 +190,13 @@ DIAGNOSIS = (
         "test_declared_readings.py",
     ),
     python(
+        "passes that go the whole way",
+        "diagnosis/prediction/passes.py",
+        "if radius <= 1.0:",
+        "if radius <= 1000.0:",
+        "test_passes.py",
+    ),
+    python(
         "a yaw that forgets within a row",
         "diagnosis/estimation/noise.py",
         "np.sqrt(np.mean(slopes[2, 2] ** 2))) > 1",

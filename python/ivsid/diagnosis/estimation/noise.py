@@ -15,6 +15,7 @@ from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.prediction.kalman import Axis
+from ivsid.diagnosis.prediction.passes import handed_on
 from ivsid.effects.inertia import INERTIA_YAW, MASS_SURGE, MASS_SWAY
 from ivsid.vehicle import Vehicle
 
@@ -310,13 +311,11 @@ def quick_enough(predictor: Predictor, slopes: Array) -> Predictor:
         slopes: of the accelerations with the velocities [1/s], shape (3, 3, samples).
     """
     damping = [max(float(-np.mean(slopes[k, k])), 0.0) for k in range(3)]
-    # Where states have run away no slope says anything.
-    handed_on = np.nan_to_num(np.sqrt(np.mean(slopes**2, axis=2)), nan=0.0, posinf=0.0)
     shortest: set[int] = set()
     for _ in range(MOST_QUICKENINGS):
         memory = np.array([axis.memory for axis in predictor.axes[:3]])
         slow = [k for k in range(3) if memory[k] * max(QUICKER * damping[k], LEAST_RATE) > 1]
-        if not slow and np.abs(np.linalg.eigvals(memory[:, None] * handed_on)).max() > CONTRACTION:
+        if not slow and handed_on(predictor.axes, slopes) > CONTRACTION:
             slow = [0, 1, 2]
         slow = [k for k in slow if k not in shortest]
         if not slow:

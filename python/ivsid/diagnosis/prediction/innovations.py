@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +15,6 @@ from ivsid.diagnosis.prediction.states import StateFilter
 from ivsid.effects import Reading, Response, Thrust, of_kind
 
 Array = NDArray[np.float64]
-# Difference of a velocity from which slopes of accelerations are read, as a share of its standard deviation.
-# Source: geometry: the slope of a quadratic drag changes by this share over it
-DAMPING_STEP: Final = 1e-3
-# Least standard deviation of a velocity in such a difference, in its unit.
-# Source: geometry: keeps the difference above rounding where a velocity never changes
-LEAST_SPREAD: Final = 1e-6
 
 
 class Predictor(StateFilter):
@@ -70,17 +63,6 @@ class Predictor(StateFilter):
         if track is not None:
             inputs |= {(k, "process"): -track[k - 3] for k in range(3, len(self.axes))}
         return self.filters.errors(inputs)
-
-    def slopes(self, states: FilteredStates) -> Array:
-        """Slopes of each acceleration (first axis) with each velocity (second) at the states [1/s], shape (3, 3, 2 n)."""
-        here = acceleration(self.vehicle, states.h, states.points)
-        found = np.empty((3, *here.shape))
-        for k in range(3):
-            size = DAMPING_STEP * max(float(np.std(states.points.nu[k])), LEAST_SPREAD)
-            shift = np.zeros((3, 1))
-            shift[k] = size
-            found[:, k] = (acceleration(self.vehicle, states.h, states.points.moved(shift)) - here) / size
-        return found
 
     def mass(self, states: FilteredStates) -> Mass:
         """The mass matrix at the times of the states."""

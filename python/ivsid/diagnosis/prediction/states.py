@@ -19,6 +19,7 @@ from ivsid.diagnosis.prediction.axes import AXES, Ambient, labels_of, motion_axe
 from ivsid.diagnosis.prediction.filtered_states import Carried, FilteredStates, twice
 from ivsid.diagnosis.prediction.inside_steps import InsideSteps, Places, inside
 from ivsid.diagnosis.prediction.kalman import Axis, Filters, apart
+from ivsid.diagnosis.prediction.passes import handed_on, passes
 from ivsid.diagnosis.prediction.yaw_rate import YawRate, yaw_rate
 from ivsid.effects import Change, Given, of_kind
 from ivsid.vehicle import Vehicle
@@ -33,6 +34,12 @@ COARSE: Final = 0.01
 # The same of what headings add up from step to step, in the noise of a heading.
 # Source: definition: ten thousand samples with it have a chi-squared of nine, of the 25 that count
 COARSE_HEADING: Final = 0.03
+# Difference of a velocity from which slopes of accelerations are read, as a share of its standard deviation.
+# Source: geometry: the slope of a quadratic drag changes by this share over it
+DAMPING_STEP: Final = 1e-3
+# Least standard deviation of a velocity in such a difference, in its unit.
+# Source: geometry: keeps the difference above rounding where a velocity never changes
+LEAST_SPREAD: Final = 1e-6
 
 
 class StateFilter:
@@ -55,6 +62,7 @@ class StateFilter:
         filters: all filters together.
         rate: the yaw rate by its sensors alone, or None.
         fine: whether steps are so long that their middles do not stand for them; None until states have settled once.
+        passes: how far a pass moves the errors toward those that it works out, and passes in the place of one; None until states have settled once.
     """
 
     def __init__(
@@ -81,6 +89,7 @@ class StateFilter:
         self.labels: list[tuple[int, str]] = labels_of(self.axes)
         self.filters = Filters(self.axes)
         self.fine: bool | None = None
+        self.passes: tuple[float, int] | None = None
         self._mass: tuple[object, object, Mass] | None = None
         self._dynamics: tuple[Hypothesis, Mass | None, Dynamics] | None = None
 
@@ -117,11 +126,19 @@ class StateFilter:
 
         Args:
             states: its start.
-            times: passes of the filters; each evaluates the model at the states of the pass before.
+            times: passes of the filters; each evaluates the model at the states of the pass before. Where such passes would not settle, each after the
+                first moves the errors a share of the way, and there are more of them.
+
+        Source: Young, *Iterative Solution of Large Linear Systems*, 1971 (under-relaxation).
         """
-        for _ in range(times):
+        if self.passes is None:
+            self.passes = passes(handed_on(self.axes, self.slopes(states), still=self.rate is not None))
+        share, more = self.passes
+        errors: Array | None = None
+        for _ in range(more * times):
             readings = self.readings(states)
-            errors = self._errors(readings, states)
+            there = self._errors(readings, states)
+            errors = there if errors is None or more == 1 else errors + share * (there - errors)
             nu = np.empty((3, self.log.n))
             before, pushed = np.empty_like(nu), np.empty_like(nu)
             psi = states.points.psi[: self.log.n].copy()
@@ -138,6 +155,17 @@ class StateFilter:
                 ambient, pushed[k] = here.ambient(e)
             states = replace(self._evaluated(states.h, nu, psi, states, before, pushed), ambient=ambient)
         return states
+
+    def slopes(self, states: FilteredStates) -> Array:
+        """Slopes of each acceleration (first axis) with each velocity (second) at the states [1/s], shape (3, 3, 2 n)."""
+        here = acceleration(self.vehicle, states.h, states.points)
+        found = np.empty((3, *here.shape))
+        for k in range(3):
+            size = DAMPING_STEP * max(float(np.std(states.points.nu[k])), LEAST_SPREAD)
+            shift = np.zeros((3, 1))
+            shift[k] = size
+            found[:, k] = (acceleration(self.vehicle, states.h, states.points.moved(shift)) - here) / size
+        return found
 
     def _evaluated(
         self,

@@ -8,10 +8,11 @@ import pytest
 from diagnosis_logs import TRUTH, logs_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.noise import CONTRACTION, QUICKENING, quick_enough
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.prediction.passes import LEFT, MOST, passes
+from ivsid.diagnosis.prediction.passes import LEFT, MOST, handed_on, passes
 from ivsid.effects import CATALOGUE
 from ivsid.vehicle import parse_vehicle
 
@@ -67,3 +68,15 @@ def test_a_cause_is_named_whose_full_fit_ran_away(poor):
     """A centre of gravity aft had a fall of 60,000 by its score and none by its full fit: the verdict was `unknown`."""
     result = diagnose(poor, *logs_of(poor, HIDDEN), null_logs=0)
     assert [f.effect for f in result.findings] == ["coupling.cg_x"]
+
+
+def test_no_axis_is_made_quicker_for_what_goes_through_others(poor):
+    """Yaw had been told to expect 11 rad/s^2 beside a cause in surge, and its drag was known seven times less well."""
+    log = channels(logs_of(poor, HIDDEN)[0], poor)
+    predictor = Predictor(poor, log, CALM)
+    slopes = np.zeros((3, 3, 2 * log.n))
+    # Surge and sway act on each other alone, and no axis is damped.
+    slopes[0, 1], slopes[1, 0] = 0.3, -0.3
+    quicker = quick_enough(predictor, slopes)
+    assert quicker.ambient.deviation[2] <= QUICKENING * CALM.deviation[2]
+    assert handed_on(quicker.axes, slopes) > CONTRACTION

@@ -81,7 +81,7 @@ CONTRACTION: Final = 0.6
 # Factor of the ambient acceleration by which a filter is made quicker.
 # Source: measured: make constants
 QUICKENING: Final = 1.6
-# A filter is made no quicker where that leaves more than this of its memory.
+# A filter is made no quicker where that leaves more than this of its memory, nor all of them where it leaves more of what a pass hands on.
 # Source: geometry: a quicker filter of velocities alone keeps the inverse root of the factor, 0.79
 SHORTER: Final = 0.95
 # Most times that a filter is made quicker.
@@ -315,7 +315,9 @@ def quick_enough(predictor: Predictor, slopes: Array) -> Predictor:
     for _ in range(MOST_QUICKENINGS):
         memory = np.array([axis.memory for axis in predictor.axes[:3]])
         slow = [k for k in range(3) if memory[k] * max(QUICKER * damping[k], LEAST_RATE) > 1]
-        if not slow and handed_on(predictor.axes, slopes) > CONTRACTION:
+        radius = handed_on(predictor.axes, slopes)
+        joint = not slow and radius > CONTRACTION
+        if joint:
             slow = [0, 1, 2]
         slow = [k for k in slow if k not in shortest]
         if not slow:
@@ -328,6 +330,9 @@ def quick_enough(predictor: Predictor, slopes: Array) -> Predictor:
             shortest |= in_vain
             slow = [k for k in slow if k not in in_vain]
             quicker = _quickened(predictor, slow) if slow else predictor
+        if joint and handed_on(quicker.axes, slopes) > SHORTER * radius:
+            # What is handed on goes through axes that cannot forget sooner; such passes go a share of the way.
+            return predictor
         predictor = quicker
     return predictor
 

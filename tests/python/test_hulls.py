@@ -15,7 +15,7 @@ from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.plant.usual_hull import hull_limits
 from ivsid.diagnosis.prediction.innovations import replaced
-from ivsid.effects import PLAIN_TERMS, terms_of
+from ivsid.effects import EFFECTS, PLAIN_TERMS, terms_of
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 
@@ -69,6 +69,24 @@ def test_a_fit_from_a_start_that_no_hull_has_is_one_of_hulls():
     # A claim of the vehicle file is not the fit's to change.
     claimed = replace(fit.problem, fixed={"mass.surge": far.values["mass.surge"]})
     assert improve(claimed, fit.states.under(far), 0).h.values["mass.surge"] == far.values["mass.surge"]
+
+
+def test_a_drag_that_the_log_does_not_excite_stays_within_reach():
+    """A drag astern of 7 million kg/m, in a log that never goes astern, was the start of an oscillating current by name."""
+    c = case(7, what="none", kind="twin", duration=70.0, style="rich", rate=5.0, train_alone=True)
+    vehicle = parse_vehicle(
+        f"{c.vehicle.text}\n[model]\nterms = {[*(t.id for t in PLAIN_TERMS), 'drag.surge.astern', 'drag.lift.yaw']}\n",
+        "v.toml",
+    )
+    fit = plain_fit(vehicle, channels(log_of(c.train), vehicle), everything)
+    limits, far = hull_limits(vehicle, fit.h.terms), {"drag.surge.astern": 1e9, "drag.lift.yaw": -1e9}
+    found = improve(fit.problem, fit.states.under(replaced(fit.h, far)), 0).h.values
+    for id_ in far:
+        low, high = limits[id_]
+        assert low <= found[id_] <= high
+        # Hulls of strangers reached a thousand typical sizes.
+        assert high > 5e3 * abs(EFFECTS[id_].parameters[0].scaled(vehicle.hull.mass)), id_
+    assert limits["drag.surge.astern"][0] == 0.0 and limits["drag.lift.yaw"][0] == -limits["drag.lift.yaw"][1]
 
 
 # Nightly: whole diagnoses.

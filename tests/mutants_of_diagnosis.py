@@ -183,6 +183,13 @@ DIAGNOSIS = (
         "test_declared_readings.py",
     ),
     python(
+        "a compass without a deviation",
+        "diagnosis/plant/declared_readings.py",
+        "dict.fromkeys(PARTS, BOUNDED * heading.accuracy)",
+        "{}",
+        "test_declared_readings.py",
+    ),
+    python(
         "a gyro that does not wander",
         "diagnosis/plant/declared_readings.py",
         "for q, e in slow for j in range(WANDERING)}",

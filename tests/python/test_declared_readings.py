@@ -37,6 +37,10 @@ def constant(reading, accuracy, t):
     return MOVED * accuracy + 0 * t
 
 
+def deviation(reading, accuracy, t):
+    return MOVED * accuracy * np.cos(reading - 0.7)
+
+
 def wandering(reading, accuracy, t):
     return MOVED * accuracy * np.sin(2 * np.pi * 1.7 * t / t[-1] + 0.9)
 
@@ -62,13 +66,19 @@ VELOCITIES = {
     "constant": {"u": (0.006, constant), "v": (-0.006, constant)},
     "wandering": {"u": (0.006, wandering), "v": (0.006, constant)},
 }
-PLACES = {"heading": {"psi": (0.015, constant)}, "position": {"x": (0.5, wandering), "y": (0.5, wandering)}}
+PLACES = {
+    "heading": {"psi": (0.015, constant)},
+    "compass": {"psi": (0.015, deviation)},
+    "position": {"x": (0.5, wandering), "y": (0.5, wandering)},
+}
 ERRORS = {**VELOCITIES, **PLACES}
 NIGHT = [pytest.param(seed, name, marks=pytest.mark.nightly) for seed in SEEDS for name in ERRORS]
 
 
 @pytest.mark.parametrize(
-    ("seed", "name"), [(42, "constant"), (45, "wandering"), (40, "heading"), (49, "position"), *NIGHT]
+    ("seed", "name"),
+    # Nightly, by seeds of their own: a constant error of the heading, whose rule is that of a velocity.
+    [(42, "constant"), (45, "wandering"), (44, "compass"), (49, "position"), *NIGHT],
 )
 def test_an_error_of_readings_inside_its_accuracy_makes_no_finding(seed, name):
     here = setting(seed, **VESSEL)
@@ -161,7 +171,8 @@ def test_a_signature_is_what_a_wrong_reading_leaves_in_the_errors():
     exact, waves = predictor.exact(s.states), predictor.slow
     before = predictor.errors(predictor.settle(s.states, 4))
     names = [name for name, _ in deviations(predictor.vehicle) if name in columns.names]
-    assert len(names) > 40 and {n.split(".")[0] for n in names} == {"~bias", "~scale", "~arm", "~turn"}
+    kinds = {n.split(".")[0] for n in names}
+    assert len(names) > 40 and kinds == {"~bias", "~deviation", "~scale", "~arm", "~turn"}
     for name in names:
         size = columns.prior[name]
         log = moved(predictor.log, {q: size * x for q, x in unit(name, exact, waves).items()})
@@ -199,15 +210,36 @@ def test_null_logs_draw_errors_of_readings_inside_their_bounds():
         errors = [sum(x[f"~bias.{channel}.{j}"] * np.cos(np.pi * j * t) for j in range(7)) for x in drawn]
         there = np.array([[e[k].mean() for k in middle] for e in errors]) / accuracy
         assert np.abs(there).max() <= 1.02 and there.std() == pytest.approx(3**-0.5, rel=0.05)
+    psi = np.linspace(0.0, 2.0 * np.pi, 361)
+    swung = [
+        sum(
+            x[f"~deviation.psi.{q}"] * f(k * psi)
+            for q, k, f in zip("BCDE", (1, 1, 2, 2), (np.sin, np.cos) * 2, strict=True)
+        )
+        for x in drawn
+    ]
+    assert 1.0 < np.abs(swung).max() / 0.015 < 1.8 and np.std(swung) / 0.015 == pytest.approx((4 / 15) ** 0.5, rel=0.05)
     turns = np.array([x["~turn.velocity"] for x in drawn]) / ROTATION
     assert np.abs(turns).max() <= 1.0 and turns.std() == pytest.approx(3**-0.5, rel=0.1)
 
 
-@pytest.mark.parametrize(("name", "times", "said"), [("u", 3.0, "velocity ahead"), ("psi", 4.0, "bias of the heading")])
-def test_an_error_of_readings_beyond_its_bound_is_unknown_and_its_size_is_said(name, times, said):
+ACCURACY = {"u": 0.006, "psi": 0.015}
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "said"),
+    [
+        ("u", lambda x, t: 3.0, "velocity ahead"),
+        # A stranger's compass, 13 times as wrong as declared, was a gyro with a wrong scale.
+        ("psi", lambda x, t: 4.0 * np.sin(2 * x + 0.3), "deviation of the compass"),
+        # Nightly: a constant, whose rule is that of the velocity.
+        pytest.param("psi", lambda x, t: 4.0, "bias of the heading", marks=pytest.mark.nightly),
+    ],
+)
+def test_an_error_of_readings_beyond_its_bound_is_unknown_and_its_size_is_said(name, error, said):
     """Soft priors took a velocity that reads ten times its accuracy too much, and the verdict was adequate."""
-    accuracy = {"u": 0.006, "psi": 0.015}[name]
-    moves = {name: (accuracy, lambda x, bound, t: times * bound)}
+    times = 3.0 if name == "u" else 4.0
+    moves = {name: (ACCURACY[name], lambda x, bound, t: bound * error(x, t))}
     result = diagnosed(setting(41, **VESSEL), moves=moves)
     (finding,) = result.findings
     assert result.verdict == finding.effect == "unknown" and said in finding.description

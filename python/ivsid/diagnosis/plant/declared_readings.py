@@ -1,9 +1,10 @@
 """Errors of readings that a vehicle file declares: slow biases, the velocity's scale, and where a sensor stands and whither it points.
 
-Each is linear in its size. A bias is slow: an ``accuracy`` bounds the whole error of a reading, and not its noise alone.
+Each is linear in its size. A bias is slow: an ``accuracy`` bounds the whole error of a reading, and not its noise alone. A compass errs by the heading
+as well: iron on board, or magnetometers that differ.
 
 Source: docs/theory.md, "Declared errors of readings"; Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2011, chapter 7
-(readings off the origin).
+(readings off the origin); Archibald Smith's exact deviation coefficients B to E (semicircular and quadrantal deviation).
 """
 
 from __future__ import annotations
@@ -32,6 +33,9 @@ WANDERING: Final = 7
 LEAST_ARM: Final = 1e-3
 LEAST_TURN: Final = 1e-3
 BIAS: Final = "~bias."
+# Compass: parts of its deviation that go with the sine and the cosine of the heading, and of twice the heading.
+DEVIATION: Final = "~deviation.psi"
+PARTS: Final = tuple(f"{DEVIATION}.{letter}" for letter in "BCDE")
 # First words of the names of errors with a bound of their own.
 ARM: Final = "~arm."
 FIXED: Final = ("~scale.", ARM, "~turn.")
@@ -51,6 +55,11 @@ def slow_shapes(n: int) -> list[Array]:
     """Shapes in time of a slow error over a log of n samples, shape (n,) each."""
     t = (np.arange(n) + 0.5) / n
     return [np.cos(np.pi * j * t) for j in range(WANDERING)]
+
+
+def deviation_shapes(psi: Array) -> list[Array]:
+    """Shapes of a compass's deviation over headings [rad], shape (n,) each."""
+    return [np.sin(psi), np.cos(psi), np.sin(2.0 * psi), np.cos(2.0 * psi)]
 
 
 class _Slow(NamedTuple):
@@ -111,6 +120,8 @@ def deviations(vehicle: Vehicle) -> Iterator[tuple[str, float]]:
     slow = _slow(vehicle).items()
     found = {f"{BIAS}{q}.{j}": e.wave if j else e.constant for q, e in slow for j in range(WANDERING)}
     found |= {name: SCALE * bound for name, bound in _bounds(vehicle).items()}
+    if (heading := vehicle.sensors.heading) is not None:
+        found |= dict.fromkeys(PARTS, BOUNDED * heading.accuracy)
     return ((name, size) for name, size in found.items() if size)
 
 
@@ -126,7 +137,8 @@ def assumed(vehicle: Vehicle, name: str) -> bool:
 def bounded(vehicle: Vehicle) -> Iterator[tuple[str, tuple[str, ...], Array]]:
     """Errors of readings inside a bound: name of the whole, names of its parts, and their sizes by values of one bound, shape (parts, values).
 
-    The values of a slow error are those at as many moments as it has shapes, at which the shapes are orthogonal (discrete cosine transform).
+    The values of a slow error are those at as many moments as it has shapes, at which the shapes are orthogonal (discrete cosine transform); those of a
+    deviation, which a constant completes, are those on five headings round the compass (discrete Fourier transform).
     """
     for name, parts, sizes in _inside(vehicle):
         # Positions count from the first one, whose error is as large.
@@ -140,6 +152,10 @@ def _inside(vehicle: Vehicle) -> Iterator[tuple[str, tuple[str, ...], Array]]:
     for q, error in _slow(vehicle).items():
         if error.bound is not None:
             yield f"{BIAS}{q}", tuple(f"{BIAS}{q}.{j}" for j in range(WANDERING)), error.bound * shapes
+    if (heading := vehicle.sensors.heading) is not None and heading.accuracy:
+        # Largest where no constant hides it: the four parts of any values on the five headings.
+        there = deviation_shapes(2.0 * np.pi * np.arange(len(PARTS) + 1) / (len(PARTS) + 1))
+        yield DEVIATION, PARTS, heading.accuracy * np.linalg.pinv(np.stack(there, axis=1))
     for name, bound in _bounds(vehicle).items():
         yield name, (name,), np.array([[bound]])
 
@@ -162,12 +178,14 @@ def unit(name: str, c: Mapping[str, Array], slow: Sequence[Array]) -> dict[str, 
 
     Args:
         name: of the error.
-        c: u, v [m/s], r [rad/s], ax, ay [m/s^2] and rdot [rad/s^2] at samples, shape (n,) each.
+        c: u, v [m/s], r [rad/s], ax, ay [m/s^2], rdot [rad/s^2] and psi [rad] at samples, shape (n,) each.
         slow: shapes in time of a slow bias, shape (n,) each.
     """
     if name.startswith(BIAS):
         channel, wave = name.removeprefix(BIAS).split(".")
         return {channel: slow[int(wave)]}
+    if name in PARTS:
+        return {"psi": deviation_shapes(c["psi"])[PARTS.index(name)]}
     return _FIXED[name](c)
 
 
@@ -181,7 +199,7 @@ def declared(errors: Mapping[str, float], c: Mapping[str, Array], slow: Sequence
     """
     out: dict[str, Array] = {}
     for name, size in errors.items():
-        if size and name.startswith((BIAS, *FIXED)):
+        if size and name.startswith((BIAS, DEVIATION, *FIXED)):
             for q, x in unit(name, c, slow).items():
                 out[q] = out.get(q, 0.0) + size * x
     return out

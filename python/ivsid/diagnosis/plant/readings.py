@@ -17,7 +17,7 @@ NAMES: Final = ("u", "v", "r", "ax", "ay", "rdot")
 
 
 def exact_readings(points: Points, nudot: Array, specific: Array, ambient: Array | float) -> dict[str, Array]:
-    """Readings u, v [m/s], r [rad/s], ax, ay [m/s^2] and rdot [rad/s^2] of exact sensors at the origin, shape (n,) each, by name.
+    """Readings u, v [m/s], r [rad/s], ax, ay [m/s^2], rdot [rad/s^2] and psi [rad] of exact sensors at the origin, shape (n,) each, by name.
 
     Args:
         points: states at samples, then over steps, of length 2 n.
@@ -26,7 +26,8 @@ def exact_readings(points: Points, nudot: Array, specific: Array, ambient: Array
         ambient: rdot of the ambient moment at samples, shape (n,).
     """
     n = nudot.shape[1] // 2
-    return dict(zip(NAMES, (*points.nu[:, :n], specific[0], specific[1], nudot[2, :n] + ambient), strict=True))
+    exact = (*points.nu[:, :n], specific[0], specific[1], nudot[2, :n] + ambient)
+    return {**dict(zip(NAMES, exact, strict=True)), "psi": points.psi[:n]}
 
 
 def added_readings(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.boxed import OVERSHOOT, outside
-from ivsid.diagnosis.plant.declared_readings import assumed, bounded
+from ivsid.diagnosis.plant.declared_readings import DEVIATION, PARTS, assumed, bounded, deviation_shapes
 from ivsid.diagnosis.statements.sensor_words import WORDS
 from ivsid.effects import CHANNELS
 
@@ -21,6 +22,9 @@ STRONGER: Final = 2.0
 # Standard deviations of a bias without a bound up to which it is said to be inside its specification.
 # Source: definition: its stated instability is one standard deviation, of which 99.7 % lie within three
 SPECIFIED: Final = 3.0
+# Headings round the compass at which its deviation is looked at.
+# Source: definition: whole degrees
+HEADINGS: Final = 360
 
 
 def hints(fit: Fit) -> tuple[str, ...]:
@@ -28,6 +32,7 @@ def hints(fit: Fit) -> tuple[str, ...]:
     g, p = fit.gram, fit.projection
     out: list[str] = []
     bounds = {name: float(np.abs(turn[0]).sum()) for name, _, turn in bounded(fit.noise.predictor.vehicle)}
+    out += _compass(fit)
     for i, k in enumerate(p.base):
         name = g.names[k]
         if not name.startswith("~") or name.startswith(("~thrust", "~hysteresis", "~rudder")):
@@ -49,11 +54,8 @@ def hints(fit: Fit) -> tuple[str, ...]:
             out.append(f"the {said.name} is about {size:.3g} {said.unit}, {where}")
     far = dict(outside(fit))
     for thruster in fit.noise.predictor.vehicle.thrusters:
-        own = [i for i, k in enumerate(p.base) if g.names[k].startswith(f"~thrust.{thruster.name}.")]
-        if not own:
-            continue
-        sizes = np.array([fit.h.declared_errors.get(g.names[p.base[i]], 0.0) * g.unit[p.base[i]] for i in own])
-        if float(sizes @ np.linalg.solve(p.covariance[np.ix_(own, own)], sizes)) > SHOWN**2 + len(own):
+        own = [g.names[k] for k in p.base if g.names[k].startswith(f"~thrust.{thruster.name}.")]
+        if _shown(fit, own):
             most = far.get(thruster.name, 0.0)
             where = (
                 f"as estimated by up to {most:.1f} times its accuracy, and a curve inside it fits as well unless a finding says otherwise"
@@ -79,3 +81,27 @@ def hints(fit: Fit) -> tuple[str, ...]:
                 f"{f': {pushed}a force that the model lacks, may be part of it' if where else ''}"
             )
     return tuple(out)
+
+
+def _shown(fit: Fit, own: Sequence[str]) -> bool:
+    """Whether declared errors of a base, taken together, exceed what chance makes of their estimates."""
+    g, p = fit.gram, fit.projection
+    at = [i for i, k in enumerate(p.base) if g.names[k] in own]
+    if not at:
+        return False
+    sizes = np.array([fit.h.declared_errors.get(g.names[p.base[i]], 0.0) * g.unit[p.base[i]] for i in at])
+    return float(sizes @ np.linalg.solve(p.covariance[np.ix_(at, at)], sizes)) > SHOWN**2 + len(at)
+
+
+def _compass(fit: Fit) -> tuple[str, ...]:
+    """A sentence on the deviation of the compass, where the log shows one."""
+    heading = fit.noise.predictor.vehicle.sensors.heading
+    if heading is None or not _shown(fit, PARTS):
+        return ()
+    psi = np.linspace(-np.pi, np.pi, HEADINGS, endpoint=False)
+    sizes = [fit.h.declared_errors.get(name, 0.0) for name in PARTS]
+    error = np.abs(sizes @ np.stack(deviation_shapes(psi)))
+    largest, at = float(error.max()), np.degrees(psi[int(error.argmax())]) % 360.0
+    said, inside = WORDS[DEVIATION], largest <= OVERSHOOT * heading.accuracy
+    where = "inside its specification" if inside else "more than its specification allows for"
+    return (f"the {said.name} reaches {largest:.2g} {said.unit} on a heading of {at:.0f} deg, {where}",)

@@ -28,6 +28,7 @@ WORDS: Final = {
     "~bias.u": Words("bias of the velocity ahead", "m/s", "surge"),
     "~bias.v": Words("bias of the velocity to starboard", "m/s", "sway"),
     "~bias.psi": Words("bias of the heading", "rad", "yaw"),
+    "~deviation.psi": Words("deviation of the compass", "rad", "yaw"),
     "~bias.x": Words("change of the position's error north", "m", "surge"),
     "~bias.y": Words("change of the position's error east", "m", "sway"),
     "~scale.velocity": Words("scale factor error of the velocity", "1", "surge"),

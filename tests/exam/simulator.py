@@ -137,7 +137,8 @@ def rates_of(vessel: Vessel, effects: Mapping[str, Mapping[str, float]], loss: l
             uc, vc = from_north(psi, north, east)
             au, av = from_north(psi, north_rate, east_rate)
         ur, vr = u - uc, v - vc
-        X, Y, N = (a + q * (t - begin) for a, q in zip(near, slope, strict=True))
+        past = t - begin
+        X, Y, N = near[0] + slope[0] * past, near[1] + slope[1] * past, near[2] + slope[2] * past
         for function, q in hull:
             a, c, d = function(q, ur, vr, r, b)
             X, Y, N = X + a, Y + c, N + d
@@ -146,7 +147,7 @@ def rates_of(vessel: Vessel, effects: Mapping[str, Mapping[str, float]], loss: l
             X, Y, N = X + a, Y + c, N + d
         for k in range(count):
             if (arm := plain[k]) is not None:
-                a, c, d = (pushes[k] * q for q in arm)
+                a, c, d = pushes[k] * arm[0], pushes[k] * arm[1], pushes[k] * arm[2]
             else:
                 a, c, d = vessel.push(k, pushes[k], angles[k], ur, vr, r, loss[k])
             X, Y, N = X + a, Y + c, N + d
@@ -192,6 +193,8 @@ def sail(
     late = [shaft or lag for shaft, lag in zip(shafts, lags, strict=True)]
 
     def forces(now: list[float], moment: float) -> list[float]:
+        if not any(shafts):
+            return now
         return [
             _at_speed(vessel, effects, k, speed, curves, moment) if shafts[k] else speed for k, speed in enumerate(now)
         ]
@@ -256,8 +259,12 @@ def sail(
 def runge_kutta(rates, time: float, step: float, state, pushes, *held):
     """A step of the classical method; both ends are looked at from inside, because an event may stand there."""
 
+    u, v, r, psi, x, y = state
+
     def moved(rate, share: float):
-        return tuple(a + share * step * b for a, b in zip(state, rate, strict=True))
+        a, b, c, d, e, f = rate
+        q = share * step
+        return u + q * a, v + q * b, r + q * c, psi + q * d, x + q * e, y + q * f
 
     k1 = rates(time + INSIDE * step, state, pushes[0], *held)
     k2 = rates(time + 0.5 * step, moved(k1, 0.5), pushes[1], *held)
@@ -268,6 +275,8 @@ def runge_kutta(rates, time: float, step: float, state, pushes, *held):
 
 def _toward(goals: list[float], now: list[float], lags: list[float], time: float) -> list[float]:
     """Thrusts a time [s] later: at their goals, or on their way with a first-order lag."""
+    if not any(lags):
+        return goals
     return [g if not lag else g + (a - g) * math.exp(-time / lag) for g, a, lag in zip(goals, now, lags, strict=True)]
 
 

@@ -81,6 +81,8 @@ def errors(family: str | None, count: int, alike: bool, rng: np.random.Generator
 
 def changed_thrust(effects, name: str, index: int, arm: float, demand: float, thrust: float, largest: float, t: float):
     """A thrust at rest [N] after the effects on it, in the order of docs/effects.md."""
+    if not effects:
+        return thrust
 
     def number(id_: str) -> float | None:
         p = effects.get(f"{id_}.{name}", effects.get(id_))

@@ -78,7 +78,8 @@ def exact(fit, s, kind):
     return (variance + information - np.sum(own * own)) / information
 
 
-@pytest.mark.parametrize("kind", NOISES)
+# Nightly: the wide spectra, whose strengths are nearest to one.
+@pytest.mark.parametrize("kind", [pytest.param(k, marks=[pytest.mark.nightly] * (k != "band")) for k in NOISES])
 def test_the_strength_is_the_mean_fall_in_noise_of_any_spectrum(logged, kind):
     """The oracle is exact and knows of no frequencies; the mean over draws shows that it is the fall's."""
     falls, said = [], []

@@ -105,7 +105,8 @@ def test_the_falls_are_those_of_least_squares_with_every_past_error(logged):
         assert own.fall(s) == pytest.approx(least - solved(*both, without)[0], rel=1e-4, abs=1e-3), s.id
 
 
-@pytest.mark.parametrize("colour", COLOURS)
+# Nightly: white errors, in which any filter is as good as another.
+@pytest.mark.parametrize("colour", [pytest.param(c, marks=[pytest.mark.nightly] * (c == "white")) for c in COLOURS])
 def test_a_filter_of_coloured_errors_explains_nothing_beside_them(logged, colour):
     """A state that an ambient force pushes: its slope is a filter of past errors, and any noise with a colour correlates with it."""
     top, below = COLOURS[colour]

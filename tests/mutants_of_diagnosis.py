@@ -183,6 +183,13 @@ DIAGNOSIS = (
         "test_declared_readings.py",
     ),
     python(
+        "a ridge that is taken for a number that the log leaves open",
+        "diagnosis/estimation/learning.py",
+        "known = {g.names[k]: float(np.sqrt(g.total[k, k]) * g.unit[k]) for k in at}",
+        "known = {g.names[k]: float(g.unit[k] / np.sqrt(p.covariance[i, i])) for i, k in enumerate(at)}",
+        "test_straight_runs.py",
+    ),
+    python(
         "a compass without a deviation",
         "diagnosis/plant/declared_readings.py",
         "dict.fromkeys(PARTS, BOUNDED * heading.accuracy)",

@@ -8,6 +8,7 @@ import pytest
 from diagnosis_logs import SENSORS, STRAIGHT, TRUTH, TWIN, train_of
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation import learning
 from ivsid.diagnosis.estimation.learning import determined, plain_fit, undetermined
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.plant.usual_hull import usual_numbers
@@ -131,3 +132,22 @@ def test_yaw_is_left_out_where_its_turns_are_over_within_two_rows():
     # It turns well enough: more rows show the damping.
     assert "damps its turns too quickly for readings of yaw every 0.25 s" in note and "hardly turns" not in note
     assert often.h.values["drag.yaw.linear"] == pytest.approx(18.0, rel=0.1)
+
+
+def test_a_number_that_no_motion_of_a_log_with_turns_excites_is_that_of_a_hull(monkeypatch):
+    """A sound ROV that never went astern had a drag astern of 25,000 kg/m in its models."""
+    # Four drags ahead lie on a ridge, on which none is known alone.
+    ahead = ["drag.surge.linear", "drag.surge.cubic", "friction.coulomb"]
+    terms = [*TRUTH, *ahead, "drag.surge.astern", "drag.yaw.linear", "drag.yaw.quadratic"]
+    vehicle = parse_vehicle(f"{TWIN}{SENSORS}\n[model]\nterms = {terms}\n", "twin.toml")
+    true = {**dict.fromkeys(ahead, 0.5), "drag.surge.astern": 3.0, "drag.yaw.linear": 3.0, "drag.yaw.quadratic": 4.0}
+    log = train_of(vehicle, true)
+    assert log.columns["u"].min() > -0.1
+    fit = plain_fit(vehicle, channels(log, vehicle), everything)
+    assert not fit.noise.left_out and set(undetermined(fit)) == {"drag.surge.astern"}
+    assert determined(fit).values == fit.h.values | {"drag.surge.astern": undetermined(fit)["drag.surge.astern"]}
+    assert 0.1 < determined(fit).values["drag.surge.astern"] < 100
+    # None of the drags ahead is known to a tenth alone, and beside the others each is.
+    monkeypatch.setattr(learning, "HULLS_DIFFER", 0.1)
+    (note,) = left_out_note(fit)
+    assert "does not determine drag.surge.astern:" in note and "usual hull" in note

@@ -30,7 +30,7 @@ from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.roughness import roughness
 from ivsid.diagnosis.estimation.whitening import plain_scale, whiten
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.plant.usual_hull import usual_numbers
+from ivsid.diagnosis.plant.usual_hull import typical_sizes, usual_numbers
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.prediction.innovations import Predictor, replaced
@@ -43,7 +43,7 @@ Array = NDArray[np.float64]
 # Least time that counts, between gaps and the settling of the filters [s].
 # Source: measured: make constants
 LEAST: Final = 40.0
-# Share by which hulls of one mass and length differ: a number that a log without turning determines less well is stated as that of a usual hull.
+# Share by which hulls of one mass and length differ: a number that a log determines less well is stated as that of a usual hull.
 # Source: physics: the water that moves along sideways is 0.2 to 1 of the mass of slender and of full hulls
 HULLS_DIFFER: Final = 0.3
 
@@ -181,14 +181,17 @@ def determined(fit: Fit) -> Hypothesis:
 
 
 def undetermined(fit: Fit) -> dict[str, float]:
-    """Numbers of a usual hull for those parameters that a log without turning determines less well than hulls differ, by id.
+    """Numbers of a usual hull for those parameters of the model that a log determines less well than hulls differ, by id.
 
-    The fit needs them free: they take up what errors of the states make of small drifts.
+    The fit needs them free: they take up what errors of the states make of small drifts, where the vehicle does not turn. Where it turns, a number
+    is open which the log would not determine beside the true values of all others: nothing else of the model changes with it.
     """
-    if not fit.noise.left_out:
-        return {}
     p, g = fit.projection, fit.gram
-    at = list(p.base)
-    deviation = dict(zip((g.names[k] for k in at), np.sqrt(np.diag(p.covariance)) / g.unit[at], strict=True))
-    usual = usual_numbers(fit.noise.predictor.vehicle)
-    return {i: x for i, x in usual.items() if i in fit.free and deviation[i] > HULLS_DIFFER * abs(x)}
+    vehicle, at = fit.noise.predictor.vehicle, list(p.base)
+    if fit.noise.left_out:
+        deviation = dict(zip((g.names[k] for k in at), np.sqrt(np.diag(p.covariance)) / g.unit[at], strict=True))
+        found = usual_numbers(vehicle).items()
+        return {i: x for i, x in found if i in fit.free and deviation[i] > HULLS_DIFFER * abs(x)}
+    known = {g.names[k]: float(np.sqrt(g.total[k, k]) * g.unit[k]) for k in at}
+    sizes = {i: q for i, q in typical_sizes(vehicle).items() if i in fit.free}
+    return {i: x for i, (x, size) in sizes.items() if max(size, abs(fit.h.values[i])) * known[i] < 1.0 / HULLS_DIFFER}

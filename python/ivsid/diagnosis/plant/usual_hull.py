@@ -50,6 +50,20 @@ def usual_numbers(vehicle: Vehicle) -> dict[str, float]:
     }
 
 
+def typical_sizes(vehicle: Vehicle) -> dict[str, tuple[float, float]]:
+    """Number of a usual hull and typical size of each parameter of the vehicle file's model, by id; masses along the hull are left out.
+
+    A drag has its typical size. A coupling may have either sign, and a usual hull has none.
+    """
+    m, found = vehicle.hull.mass, {}
+    for effect in (EFFECTS[t.id] for t in terms_of(vehicle) if t.id in EFFECTS):
+        if len(effect.parameters) == 1 and effect.of_hull is None:
+            size = abs(effect.parameters[0].scaled(m))
+            found[effect.id] = (0.0 if effect.parameters[0].signed else size, size)
+    shapes = usual_numbers(vehicle)
+    return found | {i: (shapes[i], shapes[i]) for i in (MASS_SWAY.id, INERTIA_YAW.id, SWAY_QUADRATIC.id)}
+
+
 def hull_limits(vehicle: Vehicle, terms: Iterable[Term]) -> dict[str, tuple[float, float]]:
     """Least and most value of the terms' parameters that a hull of this mass and length has, by id; terms without limits are left out.
 

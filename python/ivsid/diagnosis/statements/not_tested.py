@@ -44,9 +44,12 @@ def not_tested(fit: Fit, visible: Mapping[str, Visibility], named: Collection[st
 
 
 def left_out_note(fit: Fit) -> list[str]:
-    """A sentence on the axes that are left out, or none."""
+    """A sentence on the axes that are left out and on the numbers that a log leaves open, or none."""
     if not fit.noise.left_out:
-        return []
+        open_ = ", ".join(undetermined(fit))
+        return [
+            f"the log does not determine {open_}: the models state what a usual hull of this mass and length has"
+        ] * bool(open_)
     claimed = fit.noise.predictor.vehicle.model.values
     unknown = undetermined(fit)
     usual = [t.id for t in fit.h.terms if (t.id in fit.fixed and t.id not in claimed) or t.id in unknown]

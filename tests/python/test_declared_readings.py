@@ -93,8 +93,9 @@ def test_an_error_of_readings_inside_its_accuracy_makes_no_finding(seed, name):
     assert (result.verdict, result.findings) == ("adequate", ())
 
 
-# Nightly: the other sign of the same hint.
-@pytest.mark.parametrize("side", [1.0, pytest.param(-1.0, marks=pytest.mark.nightly)])
+# Nightly: the gate asks for the hints of a bias.
+@pytest.mark.nightly
+@pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_hint_says_the_scale_of_the_velocity_with_its_bound(side):
     # A position that may be off by half a metre shows a scale of 0.4 % after some hundred metres.
     here = setting(40, **{**VESSEL, "duration": 600.0})

@@ -158,7 +158,7 @@ def test_turning_the_earth_frame_turns_the_score_of_a_current():
 
 def test_port_and_starboard_mirrored_mirror_the_scores():
     vehicle = vehicle_of()
-    train = train_of(vehicle, {"coupling.cg_y": 1.5})
+    train = train_of(vehicle, {"coupling.cg_y": 1.5}, duration=120.0)
     columns = {k: -x if k in ("v", "r", "ay", "psi", "y") else x for k, x in train.columns.items()}
     port, starboard = (train.columns[f"demand_{side}"] for side in ("port", "starboard"))
     mirrored = Log(train.name, train.sha256, train.t, {**columns, "demand_port": starboard, "demand_starboard": port})
@@ -171,7 +171,7 @@ def test_demands_in_other_units_change_no_score():
     demand = [-100, -60, -30, 0, 30, 60, 100]
     other = vehicle_of(TWIN.replace(str(demand), str([10 * d for d in demand])))
     vehicle = vehicle_of()
-    train = train_of(vehicle, {"drag.surge.linear": 4.0})
+    train = train_of(vehicle, {"drag.surge.linear": 4.0}, duration=120.0)
     scaled = with_columns(train, lambda k, x: 10 * x if k.startswith("demand") else x)
     one, two = screened(vehicle, train), screened(other, scaled)
     assert one.passed == two.passed and one.passed[0] == "drag.surge.linear"

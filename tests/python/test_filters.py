@@ -212,7 +212,7 @@ def test_a_late_velocity_is_the_one_that_the_motion_had(delay):
         return np.stack([1.2 * k * np.exp(-k * t), -0.3 * k * np.exp(-k * t), -0.2 * k * np.exp(-2 * k * t)])
 
     at = np.r_[t, t + h / 2]
-    points = SimpleNamespace(nu=velocity(at), thrusts=np.zeros((1, at.size)))
+    points = SimpleNamespace(nu=velocity(at), thrusts=np.zeros((1, at.size)), psi=np.zeros(at.size))
     late = (Given(EFFECTS["sensor.velocity.delay"], (delay,)),)
     exact = exact_readings(points, acceleration(at), np.zeros((3, t.size)), 0.0)
     added = added_readings(late, points, acceleration(at), exact, h)

@@ -27,9 +27,9 @@ SHORT = {"what": "none", "duration": 300.0, "rate": 10.0, "sensors": "white"}
 CASES = [pytest.param(60, "minutes", marks=pytest.mark.nightly), (8, "one-sided")]
 # Sound logs in ten times the usual sea that had a cause by name.
 NAMED = [
-    # Nightly: the gate takes the quicker one, and asks rules of causes beside slow forces by a wind.
+    # Nightly: the gate asks rules of causes beside slow forces by a wind, a part of which is inside the declared force.
     pytest.param(176, "minutes", "rich", screening_round, "fouling.drift", marks=pytest.mark.nightly),
-    (106, "minutes", "circle", shallow_water, "environment.shallow_water"),
+    pytest.param(106, "minutes", "circle", shallow_water, "environment.shallow_water", marks=pytest.mark.nightly),
 ]
 
 

@@ -30,6 +30,6 @@ def test_two_thrusters_of_a_straight_course_that_push_alike_are_both_said():
 @pytest.mark.parametrize("kind", [pytest.param("vectored", marks=pytest.mark.nightly), "catamaran"])
 def test_a_log_that_turns_says_one(kind):
     true, _, bound = failed(
-        7, what="one", effect="thruster.failure", kind=kind, style="rich", z=40.0, duration=300.0, rate=10.0
+        7, what="one", effect="thruster.failure", kind=kind, style="rich", z=40.0, duration=200.0, rate=8.0
     )
     assert bound.stands_for == true and bound.lower == bound.upper

@@ -190,6 +190,20 @@ DIAGNOSIS = (
         "test_straight_runs.py",
     ),
     python(
+        "any force where no file declares one",
+        "diagnosis/estimation/roughness.py",
+        "_undeclared(vehicle) / inertia",
+        "1e9 * _undeclared(vehicle) / inertia",
+        "test_roughness.py",
+    ),
+    python(
+        "slams that only velocities tell",
+        "diagnosis/estimation/roughness.py",
+        'if "acceleration" in here.outputs and',
+        'if "none" in here.outputs and',
+        "test_roughness.py",
+    ),
+    python(
         "a compass without a deviation",
         "diagnosis/plant/declared_readings.py",
         "dict.fromkeys(PARTS, BOUNDED * heading.accuracy)",

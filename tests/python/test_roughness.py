@@ -56,10 +56,36 @@ def test_a_moment_turns_a_hull_of_little_inertia_more():
     assert said.deviation == pytest.approx((sea.force / m, sea.force / m, sea.moment / (m * length**2 / 8)))
 
 
-def test_nothing_is_rougher_than_what_nobody_declared():
+def bare():
     text = vehicle_of().text
-    bare = parse_vehicle(text[: text.index("[ambient]")], "bare.toml")
-    assert plain_fit(bare, channels(sea(30.0)[0], bare), everything).noise.rougher == (0.0, 0.0, 0.0)
+    return parse_vehicle(text[: text.index("[ambient]")], "bare.toml")
+
+
+@pytest.mark.parametrize(("factor", "rough"), [(1.0, False), (30.0, True)])
+def test_without_a_declared_force_the_accuracy_of_the_thrusts_is_one(factor, rough):
+    """A twin of 50 kg whose file has no [ambient]: half a newton, of which the calm sea has a third."""
+    left = adequacy(plain_fit(bare(), channels(sea(factor)[0], bare()), everything))
+    assert (left.roughest > ROUGHER) == rough and left.beyond_curves == (0.0, 0.0, 0.0)
+    assert not rough or "where the file has no [ambient]" in unknown(left, []).description
+
+
+@pytest.mark.parametrize("push", [0.02, 0.25])
+def test_slams_that_are_over_in_a_second_are_told_by_an_accelerometer(push):
+    """A stranger's boat of 21 t, without a declared sea, slammed with 5 kN, and its model was adequate."""
+    train = sea(1.0)[0]
+    t, h = train.t, train.t[1] - train.t[0]
+    rng = np.random.default_rng(8)
+    slam = np.zeros(t.size)
+    for late in np.arange(30.0, t[-1] - 5.0, 6.0):
+        # One whole period: the hull is as fast after it as before.
+        past = t - late - rng.uniform(-2.0, 2.0)
+        slam += push * rng.uniform(0.5, 1.5) * np.where((past > 0) & (past < 1.4), np.sin(2 * np.pi * past / 1.4), 0.0)
+    columns = {**train.columns, "ax": train.columns["ax"] + slam, "u": train.columns["u"] + np.cumsum(slam) * h}
+    vehicle = bare()
+    left = adequacy(plain_fit(vehicle, channels(replace(train, columns=columns), vehicle), everything))
+    assert (left.rougher[0] > ROUGHER) == (push > 0.1)
+    # At the least: the rms of the slams in newtons, over what is allowed.
+    assert left.rougher[0] * 0.5 < np.std(slam) * 75.0
 
 
 # Nightly: the null logs, ten seconds of the gate for the same verdict.

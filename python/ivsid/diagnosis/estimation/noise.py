@@ -135,10 +135,15 @@ def declared_ambient(vehicle: Vehicle, masses: Mapping[str, float] | None = None
         said = ((MASS_SURGE, a.force, m), (MASS_SWAY, a.force, m), (INERTIA_YAW, a.moment, inertia))
         x, y, n = (max(load / (masses or {}).get(effect.id, own), LEAST_DECLARED) for effect, load, own in said)
         return Ambient((x, y, n), (a.time, a.time, a.time))
-    force = sum(t.accuracy.absolute for t in vehicle.thrusters) or ASSUMED_ACCURACY * m
+    force = absolute_force(vehicle)
     arm = ASSUMED_ARM * length
     surge = ASSUMED_SHARE * force / m
     return Ambient((surge, surge, ASSUMED_SHARE * force * arm / inertia), (ASSUMED_TIME, ASSUMED_TIME, ASSUMED_TIME))
+
+
+def absolute_force(vehicle: Vehicle) -> float:
+    """The absolute accuracy of all thrusts [N], or what is assumed where none is stated."""
+    return sum(t.accuracy.absolute for t in vehicle.thrusters) or ASSUMED_ACCURACY * vehicle.hull.mass
 
 
 def lightest(vehicle: Vehicle, masses: Mapping[str, float]) -> dict[str, float]:

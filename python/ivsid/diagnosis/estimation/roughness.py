@@ -1,8 +1,8 @@
 """How much rougher a log is than its vehicle file declares: the ambient acceleration that it shows, at the least, over the declared one.
 
 The noise of a log is learnt from what no cause explains, so that a force outside the catalogue is learnt as ambient force, and hides itself.
-The declared ambient force is a bound all the same. So is the accuracy of the thrusts, whose errors a log holds that no declared function follows:
-both count as declared.
+The declared ambient force is a bound all the same, and where a file declares none, the absolute accuracy of the thrusts. So is the whole accuracy of
+the thrusts, whose errors a log holds that no declared function follows: both count as declared.
 
 Source: docs/theory.md, "Noise"; for means over blocks Künsch, "The jackknife and the bootstrap for general stationary observations",
 Annals of Statistics 17, 1989.
@@ -16,8 +16,18 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.estimation.noise import LAGS, declared_ambient, lightest, slopes_of
+from ivsid.diagnosis.estimation.noise import (
+    ASSUMED_ACCURACY,
+    ASSUMED_ARM,
+    LAGS,
+    absolute_force,
+    declared_ambient,
+    lightest,
+    slopes_of,
+)
+from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 # Length of the blocks whose scatter tells how well a correlation is known [s].
@@ -29,6 +39,9 @@ FEWEST: Final = 4
 # Standard errors below the estimate that count as "at the least".
 # Source: definition: of twelve normal estimates three in a thousand lie below, over three axes one in a hundred logs
 ERRORS: Final = 3.0
+# Time after which readings of an accelerometer have nothing in common but a force [s].
+# Source: geometry: two samples at 10 Hz; a slam, or a blow of a propeller, lasts as long
+QUICK: Final = 0.2
 
 
 def roughness(
@@ -47,14 +60,26 @@ def roughness(
         left_out: indices of the axes that are left out of a fit.
         masses: of the fitted model by id.
     """
-    if predictor.vehicle.ambient is None:
-        return np.zeros(3), np.zeros(3)
-    least = lightest(predictor.vehicle, masses)
-    said = declared_ambient(predictor.vehicle, least)
-    found, declared = least_ambient(predictor, residual, rows, left_out), np.array(said.deviation)
+    vehicle = predictor.vehicle
+    least = lightest(vehicle, masses)
+    inertia = np.array(list(least.values()))
+    said = declared_ambient(vehicle, least)
+    declared = np.array(said.deviation) if vehicle.ambient is not None else _undeclared(vehicle) / inertia
+    found = least_ambient(predictor, residual, rows, left_out)
     # An ambient force that forgets at the declared rate keeps this share of its deviation.
     kept = np.exp(-0.5 * LAGS[0] / np.array(said.time))
-    return found / kept / np.hypot(declared, _of_thrusts(predictor) / np.array(list(least.values()))), found / declared
+    most = np.maximum(found / kept, quick_ambient(predictor, residual, rows, left_out))
+    alone = found / declared if vehicle.ambient is not None else np.zeros(3)
+    return most / np.hypot(declared, _of_thrusts(predictor) / inertia), alone
+
+
+def _undeclared(vehicle: Vehicle) -> Array:
+    """Forces X, Y [N] and moment N [N m] that a vehicle file without an ambient force allows, shape (3,).
+
+    Such a file says nothing of the sea: what is assumed without an accuracy is allowed beside a better one as well.
+    """
+    force = max(absolute_force(vehicle), ASSUMED_ACCURACY * vehicle.hull.mass)
+    return np.array([force, force, force * ASSUMED_ARM * hull_length(vehicle)])
 
 
 def least_ambient(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]) -> Array:
@@ -69,25 +94,59 @@ def least_ambient(predictor: Predictor, residual: Array, rows: NDArray[np.bool_]
         left_out: indices of the axes that are left out of a fit.
     """
     out = np.zeros(3)
-    lag, block = round(LAGS[0] / predictor.log.h), round(BLOCK / predictor.log.h)
-    # The error of a rudder's force has no bound in newtons, and it pushes sideways.
-    steered = any(t.rudder is not None for t in predictor.vehicle.thrusters)
     for k, (slope, good) in enumerate(slopes_of(predictor, residual, rows)):
-        if k in left_out or (steered and k > 0) or not good.any():
-            continue
-        x = np.where(good, slope - slope[good].mean(), 0.0)
-        both = (good[lag:] & good[:-lag]).astype(float)
-        edges = np.arange(0, both.size - block + 1, block)
-        count = np.add.reduceat(both, edges) if edges.size else np.zeros(0)
-        whole = count > 0.5 * block
-        if whole.sum() < FEWEST:
-            continue
-        each = np.add.reduceat(x[lag:] * x[:-lag], edges)[whole] / count[whole]
-        # Readings on a coarse scale are off by what the motion makes of it: a slope over a second by as much as two independent ones.
-        rounded = predictor.log.steps.get("uvr"[k], 0.0) ** 2 / 6
-        least = each.mean() - rounded - ERRORS * each.std(ddof=1) / np.sqrt(each.size)
-        out[k] = np.sqrt(max(least, 0.0))
+        if _told(predictor, k, left_out):
+            # Readings on a coarse scale are off by what the motion makes of it: a slope over a second by as much as two independent ones.
+            rounded = predictor.log.steps.get("uvr"[k], 0.0) ** 2 / 6
+            out[k] = np.sqrt(max(_lasting(slope, good, LAGS[0], predictor.log.h) - rounded, 0.0))
     return out
+
+
+def quick_ambient(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]) -> Array:
+    """The same of what lasts for a fifth of a second, where accelerometers read it; 0 for the others, shape (3,).
+
+    Args:
+        predictor: whose filters made the errors.
+        residual: prediction errors without all that is explained, shape (rows, n).
+        rows: samples that count, shape (n,).
+        left_out: indices of the axes that are left out of a fit.
+    """
+    out, row = np.zeros(3), 0
+    for k, here in enumerate(predictor.axes[:2]):
+        errors = residual[row : row + len(here.outputs)]
+        row += len(here.outputs)
+        if "acceleration" in here.outputs and _told(predictor, k, left_out):
+            # What the filter expects of the ambient acceleration before each reading is a part of it.
+            expected, _ = here.ambient(errors)
+            read = errors[here.outputs.index("acceleration")] + expected
+            out[k] = np.sqrt(max(_lasting(read, rows, QUICK, predictor.log.h), 0.0))
+    return out
+
+
+def _told(predictor: Predictor, k: int, left_out: frozenset[int]) -> bool:
+    """Whether an axis tells of an ambient force: the error of a rudder's force has no bound in newtons, and it pushes sideways."""
+    return k not in left_out and (k == 0 or all(t.rudder is None for t in predictor.vehicle.thrusters))
+
+
+def _lasting(x: Array, good: NDArray[np.bool_], time: float, h: float) -> float:
+    """The variance of a series at the least, by what a time apart [s] has in common; 0 where too few samples count.
+
+    Args:
+        x: the series, shape (m,).
+        good: samples that count, shape (m,).
+        time: apart.
+        h: step [s].
+    """
+    lag, block = max(2, round(time / h)), round(BLOCK / h)
+    both = (good[lag:] & good[:-lag]).astype(float)
+    edges = np.arange(0, both.size - block + 1, block)
+    count = np.add.reduceat(both, edges) if edges.size else np.zeros(0)
+    whole = count > 0.5 * block
+    if whole.sum() < FEWEST:
+        return 0.0
+    x = np.where(good, x - x[good].mean(), 0.0)
+    each = np.add.reduceat(x[lag:] * x[:-lag], edges)[whole] / count[whole]
+    return float(each.mean() - ERRORS * each.std(ddof=1) / np.sqrt(each.size))
 
 
 def _of_thrusts(predictor: Predictor) -> Array:

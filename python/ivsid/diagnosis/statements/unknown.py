@@ -75,14 +75,17 @@ def unknown(
     if left.roughest > ROUGHER:
         declared = max(left.rougher) > ROUGHER
         times, allowed = (
-            (left.rougher, "what [ambient] and the thrusters' accuracy allow")
+            (
+                left.rougher,
+                "what [ambient] and the thrusters' accuracy allow (their absolute accuracy alone, where the file has no [ambient])",
+            )
             if declared
             else (left.beyond_curves, "what [ambient] allows, whatever thrust curve inside its accuracy acts beside it")
         )
         k = int(np.argmax(times))
         rough = (
             f"{'the moment' if k == 2 else 'the force'} in {CHANNELS[k]} that nothing explains is at least {times[k]:.2g} times {allowed}: the sea was "
-            "rougher than the vehicle file declares, or a cause that the catalogue lacks acts there"
+            "rougher than the vehicle file declares, an accelerometer is worse than it states, or a cause that the catalogue lacks acts there"
         )
         if left.white and left.bounded and left.sensed:
             channel, z, text = CHANNELS[k], 0.0, rough

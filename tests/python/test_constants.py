@@ -4,40 +4,47 @@ import re
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "docs"))
 
 from constants import PAGE, constants, page  # noqa: E402 - docs/constants.py stands beside the page that it makes
 
 
-def test_every_constant_has_a_reason():
-    found = constants()
+@pytest.fixture(scope="module")
+def shipped():
+    return constants()
+
+
+def test_every_constant_has_a_reason(shipped):
+    found = shipped
     assert len(found) > 200
     lacking = [f"{c.file}:{c.line} {c.name}" for c in found if not c.reason or not c.source]
     assert not lacking, lacking
 
 
-def test_no_constant_waits_for_its_measurement():
-    assert not [f"{c.file} {c.name}" for c in constants() if c.source == "none"]
+def test_no_constant_waits_for_its_measurement(shipped):
+    assert not [f"{c.file} {c.name}" for c in shipped if c.source == "none"]
 
 
-def test_commands_that_repeat_a_measurement_exist():
+def test_commands_that_repeat_a_measurement_exist(shipped):
     targets = set(re.findall(r"^([a-z][\w-]*):", (ROOT / "Makefile").read_text(), re.M))
-    named = {(c.name, t) for c in constants() for t in re.findall(r"measured: make ([a-z][\w-]*)", c.source)}
+    named = {(c.name, t) for c in shipped for t in re.findall(r"measured: make ([a-z][\w-]*)", c.source)}
     assert named
     assert not {(name, t) for name, t in named if t not in targets}
 
 
-def test_measured_constants_stand_in_the_table_of_measurements():
+def test_measured_constants_stand_in_the_table_of_measurements(shipped):
     measured = (ROOT / "docs" / "constants_measured.md").read_text()
-    wanted = [c for c in constants() if c.source.startswith("measured: make constants")]
+    wanted = [c for c in shipped if c.source.startswith("measured: make constants")]
     rows = [f"| `{c.file} {c.name}` | `{c.value}` | " for c in wanted]
     lacking = [row for row in rows if row not in measured or f"{row}not read" in measured]
     assert wanted and not lacking, lacking
 
 
-def test_the_page_is_made_from_the_comments():
-    assert PAGE.read_text() == page(constants())
+def test_the_page_is_made_from_the_comments(shipped):
+    assert PAGE.read_text() == page(shipped)
 
 
 def test_a_number_without_a_source_is_seen(tmp_path):

@@ -95,7 +95,10 @@ def test_half_a_log_of_a_faint_cause_passes_nothing(effects, half):
     [
         # Nightly: the gate has a cause of each other kind.
         pytest.param("drag.yaw.linear", {"drag.yaw.linear": 1.0}, marks=pytest.mark.nightly),
-        ("current.steady", {"current.steady.north": 0.08, "current.steady.east": 0.05}),
+        # Nightly: the gate has the current of the Otter's log.
+        pytest.param(
+            "current.steady", {"current.steady.north": 0.08, "current.steady.east": 0.05}, marks=pytest.mark.nightly
+        ),
         ("thruster.lag", {"thruster.lag": 0.25}),
         # Nightly: the gate names an arm beside its bound, and a wind beside slow forces, in tests of their own.
         pytest.param(

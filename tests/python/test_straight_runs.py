@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.exam.cases import case
 
-from diagnosis_logs import SENSORS, STRAIGHT, TRUTH, TWIN, train_of
+from diagnosis_logs import SENSORS, STRAIGHT, TRUTH, TWIN, logs_of_case, train_of
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation import learning
 from ivsid.diagnosis.estimation.learning import determined, plain_fit, undetermined
+from ivsid.diagnosis.estimation.noise import axes_left_out
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.plant.usual_hull import usual_numbers
 from ivsid.diagnosis.prediction.yaw_rate import yaw_rate
@@ -151,3 +153,12 @@ def test_a_number_that_no_motion_of_a_log_with_turns_excites_is_that_of_a_hull(m
     monkeypatch.setattr(learning, "HULLS_DIFFER", 0.1)
     (note,) = left_out_note(fit)
     assert "does not determine drag.surge.astern:" in note and "usual hull" in note
+
+
+def test_a_vessel_that_hardly_turns_is_not_said_to_damp_its_turns():
+    """An azimuth boat on a straight course in heavy seas: by the filters of its last fit it turned, and the note took the other reason."""
+    c = case(260073, duration=200.0, rate=10.0)
+    vehicle = parse_vehicle(c.text, "v.toml")
+    fit = plain_fit(vehicle, channels(logs_of_case(c)[0], vehicle), everything)
+    assert fit.noise.left_out == {2} and not axes_left_out(fit.noise.predictor)
+    assert left_out_note(fit)[0].startswith("the vehicle hardly turns")

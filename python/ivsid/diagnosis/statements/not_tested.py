@@ -6,9 +6,10 @@ from collections.abc import Collection, Mapping
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.learning import undetermined
-from ivsid.diagnosis.estimation.noise import axes_left_out
+from ivsid.diagnosis.estimation.noise import axes_left_out, declared_ambient
 from ivsid.diagnosis.estimation.whitening import SLOW
 from ivsid.diagnosis.null.visibility import VISIBLE, Visibility
+from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.effects import EFFECTS
 
 
@@ -62,6 +63,8 @@ def left_out_note(fit: Fit) -> list[str]:
 def _why(fit: Fit) -> str:
     """The reason why yaw is left out."""
     predictor = fit.noise.predictor
-    if axes_left_out(predictor):
+    # The axis is left out by the filters that the file lets expect, or by those of the fit.
+    first = Predictor(predictor.vehicle, predictor.log, declared_ambient(predictor.vehicle), driving=predictor.driving)
+    if axes_left_out(first) or axes_left_out(predictor):
         return "the vehicle hardly turns"
     return f"the hull damps its turns too quickly for readings of yaw every {predictor.log.h:.3g} s (more rows a second may show them)"

@@ -91,7 +91,7 @@ def learn(
         # The ambient force alone is learnt before the last round, from slopes over seconds: the whitening takes out what a search would find.
         left = remaining(search(every) if last else every)
         if last:
-            rougher, alone = (tuple(x.tolist()) for x in roughness(predictor, left, good, left_out, states.h.values))
+            rougher, alone = (tuple(x.tolist()) for x in roughness(predictor, left, good, left_out, states))
             white = whiten(predictor, left, good, left_out)
             return replace(noise, whitening=white, rougher=rougher, alone=alone), states
         predictor = predictor.adopt(ambient_of(predictor, left, good, states.h.values))

@@ -10,7 +10,6 @@ Annals of Statistics 17, 1989.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
@@ -26,6 +25,7 @@ from ivsid.diagnosis.estimation.noise import (
     slopes_of,
 )
 from ivsid.diagnosis.plant.usual_hull import hull_length
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.vehicle import Vehicle
 
@@ -49,7 +49,7 @@ def roughness(
     residual: Array,
     rows: NDArray[np.bool_],
     left_out: frozenset[int],
-    masses: Mapping[str, float],
+    states: FilteredStates,
 ) -> tuple[Array, Array]:
     """Ambient acceleration at the least over what is declared, by axis, and over the declared ambient force alone, shape (3,) each.
 
@@ -58,17 +58,17 @@ def roughness(
         residual: prediction errors without all that any column explains, shape (rows, n).
         rows: samples that count, shape (n,).
         left_out: indices of the axes that are left out of a fit.
-        masses: of the fitted model by id.
+        states: of the fitted model.
     """
     vehicle = predictor.vehicle
-    least = lightest(vehicle, masses)
+    least = lightest(vehicle, states.h.values)
     inertia = np.array(list(least.values()))
     said = declared_ambient(vehicle, least)
     declared = np.array(said.deviation) if vehicle.ambient is not None else _undeclared(vehicle) / inertia
     found = least_ambient(predictor, residual, rows, left_out)
     # An ambient force that forgets at the declared rate keeps this share of its deviation.
     kept = np.exp(-0.5 * LAGS[0] / np.array(said.time))
-    most = np.maximum(found / kept, quick_ambient(predictor, residual, rows, left_out))
+    most = np.maximum(found / kept, quick_ambient(predictor, residual, rows, left_out, states))
     alone = found / declared if vehicle.ambient is not None else np.zeros(3)
     return most / np.hypot(declared, _of_thrusts(predictor) / inertia), alone
 
@@ -102,16 +102,27 @@ def least_ambient(predictor: Predictor, residual: Array, rows: NDArray[np.bool_]
     return out
 
 
-def quick_ambient(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]) -> Array:
+def quick_ambient(
+    predictor: Predictor,
+    residual: Array,
+    rows: NDArray[np.bool_],
+    left_out: frozenset[int],
+    states: FilteredStates,
+) -> Array:
     """The same of what lasts for a fifth of a second, where accelerometers read it; 0 for the others, shape (3,).
+
+    The model's acceleration is that at filtered velocities, whose errors last as well: what they make of it is no force.
 
     Args:
         predictor: whose filters made the errors.
         residual: prediction errors without all that is explained, shape (rows, n).
         rows: samples that count, shape (n,).
         left_out: indices of the axes that are left out of a fit.
+        states: of the fitted model.
     """
     out, row = np.zeros(3), 0
+    spreads = np.array([a.spread for a in predictor.axes[:3]])
+    noisy = np.mean(predictor.slopes(states) ** 2, axis=2) @ spreads**2
     for k, here in enumerate(predictor.axes[:2]):
         errors = residual[row : row + len(here.outputs)]
         row += len(here.outputs)
@@ -119,7 +130,7 @@ def quick_ambient(predictor: Predictor, residual: Array, rows: NDArray[np.bool_]
             # What the filter expects of the ambient acceleration before each reading is a part of it.
             expected, _ = here.ambient(errors)
             read = errors[here.outputs.index("acceleration")] + expected
-            out[k] = np.sqrt(max(_lasting(read, rows, QUICK, predictor.log.h), 0.0))
+            out[k] = np.sqrt(max(_lasting(read, rows, QUICK, predictor.log.h) - noisy[k], 0.0))
     return out
 
 

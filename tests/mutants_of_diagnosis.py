@@ -197,6 +197,20 @@ DIAGNOSIS = (
         "test_roughness.py",
     ),
     python(
+        "a reason by the filters of the last fit alone",
+        "diagnosis/statements/not_tested.py",
+        "if axes_left_out(first) or axes_left_out(predictor):",
+        "if axes_left_out(predictor):",
+        "test_straight_runs.py",
+    ),
+    python(
+        "filtered velocities without an error",
+        "diagnosis/estimation/roughness.py",
+        "axis=2) @ spreads**2",
+        "axis=2) @ (0.0 * spreads)",
+        "test_roughness.py",
+    ),
+    python(
         "slams that only velocities tell",
         "diagnosis/estimation/roughness.py",
         'if "acceleration" in here.outputs and',

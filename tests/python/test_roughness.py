@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tests.exam.cases import case
 
-from diagnosis_logs import logs_of, logs_of_case, vehicle_of
+from diagnosis_logs import TRUTH, logs_of, logs_of_case, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
@@ -86,6 +86,18 @@ def test_slams_that_are_over_in_a_second_are_told_by_an_accelerometer(push):
     assert (left.rougher[0] > ROUGHER) == (push > 0.1)
     # At the least: the rms of the slams in newtons, over what is allowed.
     assert left.rougher[0] * 0.5 < np.std(slam) * 75.0
+
+
+def test_errors_of_poor_velocities_are_no_force_that_an_accelerometer_reads():
+    """A stranger's drone had an `unknown` beside its cross-flow: the model's drag at a velocity that was off lasted as a force does."""
+    text = re.sub("(absolute|relative) = [0-9.]+", r"\1 = 0.0", vehicle_of().text)
+    text = text.replace("accuracy = 0.006", "accuracy = 0.06").replace(
+        DECLARED, "force = 0.03\nmoment = 0.006\ntime = 2.0"
+    )
+    vehicle = parse_vehicle(f"{text}[model]\nterms = {[*TRUTH, 'drag.sway.linear']}\n", "poor.toml")
+    assert (vehicle.sensors.velocity.accuracy, vehicle.ambient.force) == (0.06, 0.03)
+    train, _ = logs_of(vehicle, {"drag.sway.linear": 200.0})
+    assert max(plain_fit(vehicle, channels(train, vehicle), everything).noise.rougher) < 1.0
 
 
 # Nightly: the null logs, ten seconds of the gate for the same verdict.

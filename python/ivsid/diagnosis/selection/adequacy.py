@@ -16,7 +16,7 @@ from scipy.special import chdtrc
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import beyond
-from ivsid.diagnosis.null.beyond_curves import rougher_beyond, rougher_still
+from ivsid.diagnosis.null.beyond_curves import rougher_beyond
 from ivsid.diagnosis.null.boxed import Leaving, outside
 from ivsid.diagnosis.null.frequencies import Scatter, Spectrum, as_rare, excess, spectrum
 from ivsid.diagnosis.null.leaving import Others, misread_of, thrusts
@@ -220,9 +220,7 @@ def adequacy(fit: Fit) -> Adequacy:
     far = outside(fit)
     hulls = asked_of_hulls(others)
     rougher, beyond_curves = fit.noise.rougher, (0.0, 0.0, 0.0)
-    if max(rougher) > ROUGHER:
-        rougher = rougher_still(fit)
-    elif max(fit.noise.alone) > ROUGHER:
+    if max(rougher) <= ROUGHER < max(fit.noise.alone):
         # What thrust errors allow may hide a force of the time, which no thrust curve makes.
         beyond_curves = rougher_beyond(others.curve)
     found = replace(

@@ -46,13 +46,14 @@ def not_tested(fit: Fit, visible: Mapping[str, Visibility], named: Collection[st
 
 def left_out_note(fit: Fit) -> list[str]:
     """A sentence on the axes that are left out and on the numbers that a log leaves open, or none."""
-    if not fit.noise.left_out:
-        open_ = ", ".join(undetermined(fit))
-        return [
-            f"the log does not determine {open_}: the models state what a usual hull of this mass and length has"
-        ] * bool(open_)
-    claimed = fit.noise.predictor.vehicle.model.values
     unknown = undetermined(fit)
+    if not fit.noise.left_out:
+        if not unknown:
+            return []
+        return [
+            f"the log does not determine {', '.join(unknown)}: the models state what a usual hull of this mass and length has"
+        ]
+    claimed = fit.noise.predictor.vehicle.model.values
     usual = [t.id for t in fit.h.terms if (t.id in fit.fixed and t.id not in claimed) or t.id in unknown]
     return [
         f"{_why(fit)}: yaw is left out, so that causes that act by their moment alone are not tested. The yaw rate is that of its sensors, and sway counts in means over {SLOW:g} s. Of the models {', '.join(usual) or 'the parameters of yaw'} are those of a usual "

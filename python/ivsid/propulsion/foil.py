@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any, TypeVar
+from types import SimpleNamespace
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,33 @@ from numpy.typing import NDArray
 from ivsid.vehicle import Rudder
 
 Number = TypeVar("Number", float, NDArray[np.float64])
+
+
+# What a formula needs of its numbers. A simulation asks for one number at a time, of which NumPy would make an array first.
+_OF_ARRAYS: Final = SimpleNamespace(
+    sin=np.sin,
+    cos=np.cos,
+    sqrt=np.sqrt,
+    sign=np.sign,
+    whole=np.round,
+    least=np.minimum,
+    most=np.maximum,
+    either=np.where,
+)
+_OF_FLOATS: Final = SimpleNamespace(
+    sin=math.sin,
+    cos=math.cos,
+    sqrt=math.sqrt,
+    sign=lambda x: math.copysign(1.0, x) if x else x,
+    whole=lambda x: round(x) if math.isfinite(x) else math.nan,
+    least=min,
+    most=max,
+    either=lambda chosen, one, other: one if chosen else other,
+)
+
+
+def _functions(like: Number) -> SimpleNamespace:
+    return _OF_FLOATS if isinstance(like, float) else _OF_ARRAYS
 
 
 def lift_slope(aspect_ratio: float) -> float:
@@ -28,11 +56,12 @@ def lift_coefficient(alpha: Number, slope: float, stall: float) -> Number:
         slope: dC_L/d alpha at 0 [1/rad].
         stall: angle of attack beyond which lift falls [rad].
     """
-    a = alpha - np.pi * np.round(alpha / np.pi)
-    attached = slope * np.sin(a)
-    past = (np.abs(a) - stall) / (math.pi / 2 - stall)
-    beyond = slope * math.sin(stall) * np.cos(math.pi / 2 * past) * np.sign(a)
-    return _value(np.where(np.abs(a) <= stall, attached, beyond), alpha)
+    f = _functions(alpha)
+    a = alpha - math.pi * f.whole(alpha / math.pi)
+    attached = slope * f.sin(a)
+    past = (abs(a) - stall) / (math.pi / 2 - stall)
+    beyond = slope * math.sin(stall) * f.cos(math.pi / 2 * past) * f.sign(a)
+    return _value(f.either(abs(a) <= stall, attached, beyond), alpha)
 
 
 def drag_coefficient(alpha: Number, slope: float, stall: float, least: float, aspect_ratio: float) -> Number:
@@ -45,10 +74,11 @@ def drag_coefficient(alpha: Number, slope: float, stall: float, least: float, as
         least: C_D at no angle of attack.
         aspect_ratio: span squared over area.
     """
-    a = alpha - np.pi * np.round(alpha / np.pi)
-    reached = np.minimum(np.abs(a), stall)
-    induced = (slope * np.sin(reached)) ** 2 / (0.9 * math.pi * aspect_ratio)
-    return _value(least + induced + 1.2 * (np.sin(a) ** 2 - np.sin(reached) ** 2), alpha)
+    f = _functions(alpha)
+    a = alpha - math.pi * f.whole(alpha / math.pi)
+    reached = f.least(abs(a), stall)
+    induced = (slope * f.sin(reached)) ** 2 / (0.9 * math.pi * aspect_ratio)
+    return _value(least + induced + 1.2 * (f.sin(a) ** 2 - f.sin(reached) ** 2), alpha)
 
 
 def _value(result: Any, like: Number) -> Number:
@@ -68,11 +98,12 @@ def axial_speed(u: Number, thrust: Number, rudder: Rudder) -> Number:
         thrust: of the propeller [N].
         rudder: with the diameter of the propeller.
     """
-    squared = u * np.abs(u)
+    f = _functions(u)
+    squared = u * abs(u)
     if rudder.propeller_diameter is not None:
         disc = math.pi * rudder.propeller_diameter**2 / 4
-        squared = squared + 2 * np.maximum(thrust, 0.0) / (rudder.density * disc)
-    return _value(np.sign(squared) * np.sqrt(np.abs(squared)), u)
+        squared = squared + 2 * f.most(thrust, 0.0) / (rudder.density * disc)
+    return _value(f.sign(squared) * f.sqrt(abs(squared)), u)
 
 
 def rudder_force(
@@ -90,8 +121,10 @@ def rudder_force(
     """
     axial = axial_speed(u, thrust, rudder)
     across = v + rudder.position * r
-    speed = np.sqrt(axial * axial + across * across)
-    alpha = delta + np.arctan2(across, axial)
+    f = _functions(u)
+    speed = f.sqrt(axial * axial + across * across)
+    # The last bit of the library's function is another.
+    alpha = delta + _value(np.arctan2(across, axial), u)
     slope = lift_slope(rudder.aspect_ratio)
     lift = lift_coefficient(alpha, slope, rudder.stall)
     drag = drag_coefficient(alpha, slope, rudder.stall, rudder.drag, rudder.aspect_ratio)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from tests.exam.catalogue import CLAIMED, EFFECTS, ON_TEST_ALONE, OUTSIDE, drawn, drawn_by, outside_by, possible
@@ -41,8 +42,9 @@ class Case:
         logs: the columns of both logs with their times, ``t``.
         truth: the hidden effects by id and part.
         exact: the numbers of the plain model.
-        z: of each hidden effect, by the examiner (tests/exam/shown.py).
         stratum: everything else that was drawn.
+        here: all that the seed drew but the effects.
+        hidden: the parts of each hidden effect.
     """
 
     seed: int
@@ -50,8 +52,14 @@ class Case:
     logs: tuple[dict[str, np.ndarray], ...]
     truth: dict[str, float]
     exact: dict[str, float]
-    z: dict[str, float]
     stratum: dict[str, object]
+    here: Setting
+    hidden: dict[str, dict[str, float]]
+
+    @cached_property
+    def z(self) -> dict[str, float]:
+        """How far each hidden effect stands out, by the examiner (tests/exam/shown.py); takes another sail each."""
+        return {i: self.here.z(own) for i, own in self.hidden.items()}
 
 
 @dataclass
@@ -201,15 +209,15 @@ def case(
     }[w]
     claims = tuple(dict.fromkeys(c for i in ids for c in CLAIMED.get(i, ())))
     here = setting(seed, claims=claims, **given)
-    truth: dict[str, float] = {}
-    sizes, seen = {}, {}
+    sizes: dict[str, float] = {}
+    hidden: dict[str, dict[str, float]] = {}
     for id_ in ids:
         s = size or (1.0 if w == "outside" else float(np.exp(rng.uniform(math.log(0.1), math.log(3.0)))))
         s = s if z is None else sized(here, id_, z)
-        own = here.draw(id_, s)
-        truth |= own
-        sizes[id_], seen[id_] = s, here.z(own)
-    return Case(seed, here.text, here.logs(truth), truth, here.exact, seen, {"what": w, "sizes": sizes, **here.stratum})
+        sizes[id_], hidden[id_] = s, here.draw(id_, s)
+    truth = {k: x for own in hidden.values() for k, x in own.items()}
+    stratum = {"what": w, "sizes": sizes, **here.stratum}
+    return Case(seed, here.text, here.logs(truth), truth, here.exact, stratum, here, hidden)
 
 
 def sized(here: Setting, id_: str, z: float) -> float:

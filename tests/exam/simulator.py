@@ -24,6 +24,8 @@ from ivsid.programme.scenario import Scenario
 STEP = 0.05
 # Share of a step by which its ends are looked at from inside.
 INSIDE = 1e-9
+# Effects that change a thrust at rest begin so.
+THRUST = ("thruster.", "x.heat")
 PLAIN = ("mass.surge", "mass.sway", "inertia.yaw", "drag.surge.quadratic", "drag.sway.quadratic")
 KNOWN = ("name", "position", "azimuth", "table", "accuracy", "rudder", "steering")
 
@@ -196,14 +198,29 @@ def sail(
         if not any(shafts):
             return now
         return [
-            _at_speed(vessel, effects, k, speed, curves, moment) if shafts[k] else speed for k, speed in enumerate(now)
+            _at_speed(vessel, acting, k, speed, curves, moment) if shafts[k] else speed for k, speed in enumerate(now)
         ]
 
     loss = [_time(effects, "thruster.advance_loss", t["name"]) for t in vessel.thrusters]
+    # What acts on a thrust at rest is asked for at every step.
+    acting = {i: p for i, p in effects.items() if i.startswith(THRUST)}
     events = [effects[i]["time"] for i in ("payload.step", "thruster.failure") if i in effects]
+    direct = not (acting or any(delays) or any(shafts))
+    cut = any(events) or any(delays)
     mixed = [_signs(vessel, k) for k in range(count)]
     rates = rates_of(vessel, effects, loss)
     state = (0.0,) * 6
+
+    def goals_at(moment: float) -> list[float]:
+        if direct:
+            return thrusts[-1]
+        return [
+            _asked(delays[k], asked, k, moment, h)
+            if shafts[k]
+            else _goal(vessel, acting, k, delays[k], asked, thrusts, curves, moment, h)
+            for k in range(count)
+        ]
+
     asked: list[list[float]] = []
     thrusts: list[list[float]] = []
     lagged = [0.0] * count
@@ -221,17 +238,13 @@ def sail(
         thrusts.append([curve(d) for curve, d in zip(curves, demand, strict=True)])
         near, far = rows[i], rows[min(i + 1, n - 1)]
         slope = [(b - a) / h for a, b in zip(near, far, strict=True)]
-        cuts = {t, t + h, *(e for e in events if t < e < t + h)}
-        cuts |= {t + (d % h) for d in delays if d and 0 < d % h < h}
-        edges = sorted(cuts)
+        edges = [t, t + h]
+        if cut:
+            cuts = {t, t + h, *(e for e in events if t < e < t + h)}
+            edges = sorted(cuts | {t + (d % h) for d in delays if d and 0 < d % h < h})
         for low, high in itertools.pairwise(edges):
             middle = (low + high) / 2
-            goals = [
-                _asked(delays[k], asked, k, middle, h)
-                if shafts[k]
-                else _goal(vessel, effects, k, delays[k], asked, thrusts, curves, middle, h)
-                for k in range(count)
-            ]
+            goals = goals_at(middle)
             if low == t:
                 now = forces(_toward(goals, lagged, late, 0.0), middle)
                 out["states"].append(state)

@@ -43,7 +43,8 @@ class Curve:
         x = demand - self._knots[i]
         self.demand, self.thrust = demand, ((a * x + b) * x + c) * x + d
         if self.error is not None and self.share:
-            self.thrust += self.share * float(self.allowed(abs(self.thrust))) * self._shape(demand)
+            whole = self.absolute + self.relative * abs(self.thrust)
+            self.thrust += self.share * (whole if self.at_rest else min(whole, abs(self.thrust))) * self._shape(demand)
         return self.thrust
 
     def _shape(self, demand: float) -> float:

@@ -161,4 +161,4 @@ def test_a_gain_and_an_asymmetry_little_beyond_the_accuracy_are_named(seed, draw
     c = cases.case(seed, duration=300.0, **drawn)
     vehicle = parse_vehicle(c.text, "vehicle.toml")
     (found,) = diagnose(vehicle, *logs_of_case(c)).findings
-    assert {*c.z} <= {found.effect, *found.alternatives}
+    assert {*c.hidden} <= {found.effect, *found.alternatives}

@@ -35,7 +35,12 @@ LEAST_TURN: Final = 1e-3
 BIAS: Final = "~bias."
 # Compass: parts of its deviation that go with the sine and the cosine of the heading, and of twice the heading.
 DEVIATION: Final = "~deviation.psi"
-PARTS: Final = tuple(f"{DEVIATION}.{letter}" for letter in "BCDE")
+PARTS: Final[Mapping[str, Callable[[Array], Array]]] = {
+    f"{DEVIATION}.B": np.sin,
+    f"{DEVIATION}.C": np.cos,
+    f"{DEVIATION}.D": lambda psi: np.sin(2.0 * psi),
+    f"{DEVIATION}.E": lambda psi: np.cos(2.0 * psi),
+}
 # First words of the names of errors with a bound of their own.
 ARM: Final = "~arm."
 FIXED: Final = ("~scale.", ARM, "~turn.")
@@ -59,7 +64,7 @@ def slow_shapes(n: int) -> list[Array]:
 
 def deviation_shapes(psi: Array) -> list[Array]:
     """Shapes of a compass's deviation over headings [rad], shape (n,) each."""
-    return [np.sin(psi), np.cos(psi), np.sin(2.0 * psi), np.cos(2.0 * psi)]
+    return [shape(psi) for shape in PARTS.values()]
 
 
 class _Slow(NamedTuple):
@@ -155,7 +160,7 @@ def _inside(vehicle: Vehicle) -> Iterator[tuple[str, tuple[str, ...], Array]]:
     if (heading := vehicle.sensors.heading) is not None and heading.accuracy:
         # Largest where no constant hides it: the four parts of any values on the five headings.
         there = deviation_shapes(2.0 * np.pi * np.arange(len(PARTS) + 1) / (len(PARTS) + 1))
-        yield DEVIATION, PARTS, heading.accuracy * np.linalg.pinv(np.stack(there, axis=1))
+        yield DEVIATION, tuple(PARTS), heading.accuracy * np.linalg.pinv(np.stack(there, axis=1))
     for name, bound in _bounds(vehicle).items():
         yield name, (name,), np.array([[bound]])
 
@@ -185,7 +190,7 @@ def unit(name: str, c: Mapping[str, Array], slow: Sequence[Array]) -> dict[str, 
         channel, wave = name.removeprefix(BIAS).split(".")
         return {channel: slow[int(wave)]}
     if name in PARTS:
-        return {"psi": deviation_shapes(c["psi"])[PARTS.index(name)]}
+        return {"psi": PARTS[name](c["psi"])}
     return _FIXED[name](c)
 
 

@@ -96,7 +96,7 @@ def _shown(fit: Fit, own: Sequence[str]) -> bool:
 def _compass(fit: Fit) -> tuple[str, ...]:
     """A sentence on the deviation of the compass, where the log shows one."""
     heading = fit.noise.predictor.vehicle.sensors.heading
-    if heading is None or not _shown(fit, PARTS):
+    if heading is None or not _shown(fit, tuple(PARTS)):
         return ()
     psi = np.linspace(-np.pi, np.pi, HEADINGS, endpoint=False)
     sizes = [fit.h.declared_errors.get(name, 0.0) for name in PARTS]

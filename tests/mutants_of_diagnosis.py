@@ -239,6 +239,13 @@ DIAGNOSIS = (
         "test_passes.py",
     ),
     python(
+        "rows that are too long for a good gyro",
+        "diagnosis/estimation/noise.py",
+        "np.sqrt(predictor.log.n) > TOLD * _turning(predictor)",
+        "np.sqrt(predictor.log.n) > 0.0",
+        "test_straight_runs.py",
+    ),
+    python(
         "a yaw that forgets within a row",
         "diagnosis/estimation/noise.py",
         "np.sqrt(np.mean(slopes[2, 2] ** 2))) > 1",

@@ -93,6 +93,9 @@ MOVING: Final = 20.0
 # Least standard deviation of the yaw rate of a hull of 1 m that turns [rad/s]; longer hulls turn more slowly, after Froude.
 # Source: measured: make constants
 TURNING: Final = 0.015
+# Standard deviations of a damping that the noise of the readings changes it by, up to which yaw is not left out.
+# Source: definition: an error that is told with 95 %
+TOLD: Final = 2.0
 # The axis that is left out where a vehicle hardly turns, or damps its turns within a row or two of the log.
 # Source: definition: the third of surge, sway and yaw
 YAW: Final = frozenset({2})
@@ -262,15 +265,22 @@ def _slope_of_heading(here: Axis, errors: Array, decay: float, h: float) -> Arra
 
 
 def rows_too_long(predictor: Predictor, slopes: Array) -> bool:
-    """Whether a hull damps its turns so quickly that no filter of rows this far apart forgets as quickly.
+    """Whether a hull damps its turns so quickly that no filter of rows this far apart forgets as quickly, and the log shows it.
 
-    A turn is then over within a row or two, and what a model makes of the readings before it holds little but their noise.
+    A turn is then over within a row or two, and what a model makes of the readings before it holds all of their noise: errors in variables make
+    the damping too small by the square of the noise's share in the turning, and the log tells it to that share over the root of its rows.
 
     Args:
         predictor: of the log.
         slopes: of the accelerations with the velocities [1/s], shape (3, 3, samples).
     """
-    return float(QUICKER * predictor.log.h * np.sqrt(np.mean(slopes[2, 2] ** 2))) > 1
+    over = float(QUICKER * predictor.log.h * np.sqrt(np.mean(slopes[2, 2] ** 2))) > 1
+    return over and predictor.axes[2].spread * np.sqrt(predictor.log.n) > TOLD * _turning(predictor)
+
+
+def _turning(predictor: Predictor) -> float:
+    """Standard deviation of the yaw rate over a log [rad/s]: a steady turn, as under a gyro's bias, says nothing of inertia and damping."""
+    return float(uniform_filter1d(predictor.log.nu[2], max(2, round(HALF / predictor.log.h))).std())
 
 
 def axes_left_out(predictor: Predictor) -> frozenset[int]:
@@ -279,8 +289,7 @@ def axes_left_out(predictor: Predictor) -> frozenset[int]:
     An autopilot that keeps a heading answers to the motion itself. If little else turns the vehicle, demands and errors go together, and
     inertia and damping come out wrong. Such axes are left out of the fit, and their causes are not tested.
     """
-    # The standard deviation counts: a steady turn, as under a gyro's bias, says nothing of inertia and damping.
-    turning = float(uniform_filter1d(predictor.log.nu[2], max(2, round(HALF / predictor.log.h))).std())
+    turning = _turning(predictor)
     # Sway follows from u r, so that it is not known without a yaw rate either.
     least = TURNING / np.sqrt(hull_length(predictor.vehicle))
     return frozenset() if turning >= max(MOVING * predictor.axes[2].spread, least) else YAW

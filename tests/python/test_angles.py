@@ -139,7 +139,7 @@ def test_a_held_angle_of_the_examination_stays_held():
 
 def test_a_lag_of_the_shaft_is_no_angle_that_runs():
     """Both come half a row late. A model whose angles ran beside the right lag had a delay of its velocities by name."""
-    c = case(252037, what="one", effect="thruster.shaft_lag", z=100.0, kind="azimuth", style="circle")
+    c = case(252037, what="one", effect="thruster.shaft_lag", size=1.0, kind="azimuth", style="circle")
     vehicle = parse_vehicle(c.text, "vehicle.toml")
     log = Log("1.csv", "0" * 64, c.logs[0]["t"], {k: x for k, x in c.logs[0].items() if k != "t"})
     assert not plain_fit(vehicle, channels(log, vehicle), everything).noise.predictor.log.running

@@ -27,9 +27,12 @@ def test_two_thrusters_of_a_straight_course_that_push_alike_are_both_said():
     assert bound.lower <= names.index(true) <= bound.upper
 
 
-@pytest.mark.parametrize("kind", [pytest.param("vectored", marks=pytest.mark.nightly), "catamaran"])
-def test_a_log_that_turns_says_one(kind):
+# Sizes that stand out by 40.
+@pytest.mark.parametrize(
+    ("kind", "size"), [pytest.param("vectored", 0.562, marks=pytest.mark.nightly), ("catamaran", 0.63)]
+)
+def test_a_log_that_turns_says_one(kind, size):
     true, _, bound = failed(
-        7, what="one", effect="thruster.failure", kind=kind, style="rich", z=40.0, duration=200.0, rate=8.0
+        7, what="one", effect="thruster.failure", kind=kind, style="rich", size=size, duration=200.0, rate=8.0
     )
     assert bound.stands_for == true and bound.lower == bound.upper

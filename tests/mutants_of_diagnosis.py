@@ -239,6 +239,13 @@ DIAGNOSIS = (
         "test_passes.py",
     ),
     python(
+        "a failure at the thruster that shows it most",
+        "diagnosis/null/detection.py",
+        "multiple > found[candidate.id][0]",
+        "multiple < found[candidate.id][0]",
+        "test_any_curve.py",
+    ),
+    python(
         "rows that are too long for a good gyro",
         "diagnosis/estimation/noise.py",
         "np.sqrt(predictor.log.n) > TOLD * _turning(predictor)",

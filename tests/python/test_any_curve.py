@@ -181,6 +181,27 @@ def test_detection_limits_leave_eight_deviations_beside_the_worst_errors(wrong):
         assert worst == pytest.approx(max(np.abs(moved) @ errors for errors in ends(free)))
 
 
+def test_limits_of_causes_that_start_at_a_time_are_those_of_a_start_in_the_middle(wrong):
+    """A failure has that of the thruster which shows it least; each stated what no error but the noise leaves."""
+    fit = wrong.fit
+    limits, free, plain = detection_limits(fit), AnyCurve(fit), visibility(fit)
+    for id_ in ("payload.step", "thruster.failure"):
+        found = []
+        for column in (c.variants[0][0] for c in fit.candidates if c.id == id_):
+            (k,) = fit.gram.at([column])
+            x = fit.gram.columns([k])
+            x[:, : x.shape[1] // 2] = 0.0
+            p = Projection(
+                free.g.joined([column], x.reshape(1, *free.g.y.shape), fit.gram.unit[[k]]), free.projection.base
+            )
+            (j,) = p.g.at([column])
+            deviation = np.sqrt(p.information([j])[0, 0])
+            worst = float(free.worst(p.held_back([j])[:, 0]))
+            found.append((8.0 + worst / deviation) / (deviation * p.g.unit[j]))
+        (least,), (before,) = limits[id_].values(), plain[id_].detectable.values()
+        assert least == pytest.approx(max(found), rel=1e-6) and least > before
+
+
 def test_an_interval_holds_its_number_beside_the_worst_curve(wrong):
     """Errors inside their bounds, with drawn signs and with the worst ones, move no number by more than its interval has room for."""
     fit, rng = wrong.fit, np.random.default_rng(5)

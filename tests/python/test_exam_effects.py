@@ -3,7 +3,8 @@
 The limit is the size at which the effect stands out by z = 8 of the examiner's own reckoning (tests/exam/shown.py): beside any masses
 and drags and any thrust curve inside its accuracy. That of a swell, a wind, a tether and a current that turns is no less than the declared
 ambient force. One vessel, one sea and one programme serve all effects. A late thrust has no such limit: however short its delay, it
-misses the reading of the moment at which its demand jumps. Its limit is a sample of the log.
+misses the reading of the moment at which its demand jumps. Its limit is a sample of the log. The examiner holds errors of readings and of
+thrusts apart: of six effects that both together imitate the limit is the one that the diagnosis states, which this test holds it to.
 """
 
 import math
@@ -31,7 +32,10 @@ LIKE_THE_SEA = ("wave.force", "wind.steady", "tether.tension", "current.oscillat
 
 # Effects that errors of readings and thrusts inside their accuracies imitate, which the examiner's z holds apart: their limit is the one that the
 # diagnosis states of a log without them.
-LIKE_ERRORS = ("coupling.cg_x", "drag.cross_flow", "drag.yaw.linear", "drag.yaw.quadratic", "drag.yaw.cubic")
+LIKE_ERRORS = {
+    **{k: k for k in ("coupling.cg_x", "drag.cross_flow", "drag.yaw.linear", "drag.yaw.quadratic", "drag.yaw.cubic")},
+    "thruster.failure": "thruster.failure.loss",
+}
 
 
 def push(here, truth):
@@ -63,7 +67,8 @@ def hidden(id_):
         least = math.sqrt(2.0) * parse_vehicle(here.text, "vehicle.toml").ambient.force
         limit *= max(1.0, least / push(here, here.draw(id_, limit)))
     if id_ in LIKE_ERRORS:
-        stated = diagnosed(here, {}).record()["detectable"][id_]["value"] / here.draw(id_, 1.0)[id_]
+        number = LIKE_ERRORS[id_]
+        stated = diagnosed(here, {}).record()["detectable"][number]["value"] / here.draw(id_, 1.0)[number]
         assert limit < stated < 2 * limit
         limit = stated
     return here, limit

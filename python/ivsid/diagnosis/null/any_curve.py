@@ -16,7 +16,7 @@ Source: docs/theory.md, "Any thrust curve inside its accuracy"; Rockafellar, *Co
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -106,11 +106,13 @@ class AnyCurve:
                 total = total + np.max([by[at].sum(axis=0) for at in each], axis=0)
         return np.asarray(total)
 
-    def joined(self, names: Sequence[str]) -> Gram:
-        """The cross-products with further columns of the fit, by name."""
+    def joined(self, names: Sequence[str], late: Collection[str] = ()) -> Gram:
+        """The cross-products with further columns of the fit, by name, some of them from the middle of the log on."""
         g = self.fit.gram
         at = g.at(names)
-        return self.g.joined(names, g.columns(at).reshape(len(at), *self.g.y.shape), g.unit[at])
+        x = g.columns(at)
+        x[[k for k, n in enumerate(names) if n in late], : len(g.blocks) // 2] = 0.0
+        return self.g.joined(names, x.reshape(len(at), *self.g.y.shape), g.unit[at])
 
     def reach(self) -> dict[str, Reach]:
         """What the noise and the worst declared errors make of each number of the fit, by column, in its unit."""

@@ -21,24 +21,26 @@ from ivsid.diagnosis.null.visibility import VISIBLE
 def detection_limits(fit: Fit) -> dict[str, Mapping[str, float]]:
     """The size of each effect that is detected beside the worst declared errors, by id and parameter, in its unit; empty if there is none.
 
-    Steps in time are left out: their columns are sums over later blocks.
+    A cause that starts at a time starts in the middle of the log.
 
     Args:
         fit: of the plain model.
     """
     if not fit.noise.predictor.vehicle.thrusters:
         return {}
-    asked = [c for c in fit.candidates if not c.searched and not c.starts]
+    asked = [c for c in fit.candidates if not c.searched]
     names = list(dict.fromkeys(n for c in asked for v in c.variants for n in v))
+    late = {n for c in asked if c.starts for v in c.variants for n in v}
     free = AnyCurve(fit)
-    p = Projection(free.joined(names), free.projection.base)
+    p = Projection(free.joined(names, late), free.projection.base)
     found: dict[str, tuple[float, Mapping[str, float]]] = {}
     for candidate in asked:
         z, sizes = candidate.size(p, fit.signatures)
-        if candidate.id in found and found[candidate.id][0] >= z:
-            continue
         off = max(_taken(p, free, names, list(sizes.values())) for names in candidate.variants)
-        found[candidate.id] = (z, candidate.detectable(p, VISIBLE + off, z, sizes))
+        # At whichever thruster that shows it at all: its limit is that of the thruster which shows it least.
+        multiple = (VISIBLE + off) / z if z >= VISIBLE else 0.0
+        if candidate.id not in found or multiple > found[candidate.id][0]:
+            found[candidate.id] = (multiple, candidate.detectable(p, VISIBLE + off, z, sizes))
     return {id_: least for id_, (_, least) in found.items()}
 
 

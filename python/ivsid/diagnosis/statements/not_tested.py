@@ -68,4 +68,4 @@ def _why(fit: Fit) -> str:
     first = Predictor(predictor.vehicle, predictor.log, declared_ambient(predictor.vehicle), driving=predictor.driving)
     if axes_left_out(first) or axes_left_out(predictor):
         return "the vehicle hardly turns"
-    return f"the hull damps its turns too quickly for readings of yaw every {predictor.log.h:.3g} s (more rows a second may show them)"
+    return f"the hull damps its turns too quickly for readings of yaw every {predictor.log.h:.3g} s (more rows a second, or a better gyro, may show them)"

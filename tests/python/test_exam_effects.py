@@ -3,8 +3,8 @@
 The limit is the size at which the effect stands out by z = 8 of the examiner's own reckoning (tests/exam/shown.py): beside any masses
 and drags and any thrust curve inside its accuracy. That of a swell, a wind, a tether and a current that turns is no less than the declared
 ambient force. One vessel, one sea and one programme serve all effects. A late thrust has no such limit: however short its delay, it
-misses the reading of the moment at which its demand jumps. Its limit is a sample of the log. The examiner holds errors of readings and of
-thrusts apart: of six effects that both together imitate the limit is the one that the diagnosis states, which this test holds it to.
+misses the reading of the moment at which its demand jumps. Its limit is a sample of the log. Six effects are found at twice the limit,
+because errors of readings and of thrusts, which the examiner holds apart, imitate them together.
 """
 
 import math
@@ -23,19 +23,23 @@ from ivsid.vehicle import parse_vehicle
 
 SEED = 40
 VESSEL = {"kind": "vectored", "style": "rich", "ambient": 1.0, "duration": 300.0, "rate": 10.0, "share": 0.5}
-FOUND, NOT_NAMED = 1.5, 1 / 3
+FOUND, FOUND_LIKE_ERRORS, NOT_NAMED = 1.5, 2.0, 1 / 3
 # Effects whose limit is a sample of the log [s].
 LATE = ("thruster.lag", "thruster.shaft_lag", "thruster.delay")
 
 # Effects that are a force like the ambient one: they move in seconds as a swell does, in minutes, or not at all.
 LIKE_THE_SEA = ("wave.force", "wind.steady", "tether.tension", "current.oscillating")
 
-# Effects that errors of readings and thrusts inside their accuracies imitate, which the examiner's z holds apart: their limit is the one that the
-# diagnosis states of a log without them.
-LIKE_ERRORS = {
-    **{k: k for k in ("coupling.cg_x", "drag.cross_flow", "drag.yaw.linear", "drag.yaw.quadratic", "drag.yaw.cubic")},
-    "thruster.failure": "thruster.failure.loss",
-}
+# Effects that errors of readings and thrusts inside their accuracies imitate together, which the examiner's z holds apart. The limits that the
+# diagnosis states of them are 1.3 to 1.8 times the examiner's.
+LIKE_ERRORS = (
+    "coupling.cg_x",
+    "drag.cross_flow",
+    "drag.yaw.linear",
+    "drag.yaw.quadratic",
+    "drag.yaw.cubic",
+    "thruster.failure",
+)
 
 
 def push(here, truth):
@@ -49,12 +53,6 @@ def push(here, truth):
     )
 
 
-def diagnosed(here, truth):
-    """The diagnosis of a case with effects."""
-    vehicle = parse_vehicle(here.text, "vehicle.toml")
-    return diagnose(vehicle, *(Log(f"{k}.csv", "0" * 64, q.pop("t"), q) for k, q in enumerate(here.logs(truth), 1)))
-
-
 @cache
 def hidden(id_):
     """The case without its effect, and the multiple of the effect's typical size that is its detection limit."""
@@ -66,11 +64,6 @@ def hidden(id_):
         # A force inside the declared ambient force, ahead and sideways, is declared.
         least = math.sqrt(2.0) * parse_vehicle(here.text, "vehicle.toml").ambient.force
         limit *= max(1.0, least / push(here, here.draw(id_, limit)))
-    if id_ in LIKE_ERRORS:
-        number = LIKE_ERRORS[id_]
-        stated = diagnosed(here, {}).record()["detectable"][number]["value"] / here.draw(id_, 1.0)[number]
-        assert limit < stated < 2 * limit
-        limit = stated
     return here, limit
 
 
@@ -78,7 +71,9 @@ def said(id_, times):
     """The sets that the diagnosis names of a multiple of the limit."""
     here, limit = hidden(id_)
     truth = here.draw(id_, limit * times)
-    result = diagnosed(here, truth)
+    vehicle = parse_vehicle(here.text, "vehicle.toml")
+    logs = [Log(f"{k}.csv", "0" * 64, q.pop("t"), q) for k, q in enumerate(here.logs(truth), 1)]
+    result = diagnose(vehicle, *logs)
     sets = [{f.effect, *f.alternatives} for f in result.findings]
     print(f"{times:.2f} {truth} -> {result.verdict} {sets}")  # noqa: T201 - shown with a failure
     return sets
@@ -89,7 +84,7 @@ def said(id_, times):
 @pytest.mark.nightly
 @pytest.mark.parametrize("id_", EFFECTS)
 def test_an_effect_is_found_at_one_and_a_half_of_its_limit(id_):
-    sets = said(id_, FOUND)
+    sets = said(id_, FOUND_LIKE_ERRORS if id_ in LIKE_ERRORS else FOUND)
     assert any(id_ in s and len(s) <= LARGEST_SET for s in sets), sets
     assert len(sets) == 1, sets
 

@@ -38,7 +38,9 @@ def test_the_force_of_a_tide_that_is_found_does_not_stay_in_the_ambient_one(tmp_
 @pytest.mark.nightly
 def test_a_scale_of_the_velocity_leaves_a_drag_its_name(tmp_path):
     """The seed's own drag stands out by 5 of the 8 that count, and has had no name since slow errors of sensors have seven shapes."""
-    said = diagnosed(86247, tmp_path, what="two", size=1.0)
+    faint = diagnosed(86247, tmp_path / "faint", what="two")
+    assert [f.effect for f in faint.findings] == ["sensor.velocity.scale"]
+    said = diagnosed(86247, tmp_path / "usual", what="two", size=1.0)
     assert [f.effect for f in said.findings] == ["drag.surge.linear", "sensor.velocity.scale"]
 
 

@@ -27,12 +27,22 @@ def test_two_thrusters_of_a_straight_course_that_push_alike_are_both_said():
     assert bound.lower <= names.index(true) <= bound.upper
 
 
-# The vectored vessel of seed 7 has a failure that a gradual loss explains by 12 in chi-squared better, the most that the rule of gradual forces allows.
+GRADUAL = pytest.mark.xfail(
+    raises=StopIteration,
+    reason="a gradual loss explains this failure by 12 in chi-squared better, the most that the rule of gradual forces allows",
+)
+
+
 @pytest.mark.parametrize(
-    ("kind", "seed", "size"), [pytest.param("vectored", 8, 0.6, marks=pytest.mark.nightly), ("catamaran", 7, 0.63)]
+    ("kind", "seed", "size"),
+    [
+        pytest.param("vectored", 8, 0.6, marks=pytest.mark.nightly),
+        pytest.param("vectored", 7, 0.5618422883674822, marks=[pytest.mark.nightly, GRADUAL]),
+        ("catamaran", 7, 0.6300096170681011),
+    ],
 )
 def test_a_log_that_turns_says_one(kind, seed, size):
-    """Losses of a tenth."""
+    """Losses of a tenth; those of seed 7 stand out by 40."""
     true, _, bound = failed(
         seed, what="one", effect="thruster.failure", kind=kind, style="rich", size=size, duration=200.0, rate=8.0
     )

@@ -204,6 +204,20 @@ DIAGNOSIS = (
         "test_straight_runs.py",
     ),
     python(
+        "a force in spells that doubts itself",
+        "diagnosis/estimation/roughness.py",
+        "    if each.size < MANY:\n",
+        "    if each.size < 1e9:\n",
+        "test_roughness.py",
+    ),
+    python(
+        "water without a memory",
+        "diagnosis/selection/dictionary.py",
+        "    if k in fit.noise.left_out:\n        return\n    along",
+        "    if k >= 0:\n        return\n    along",
+        "test_structure.py",
+    ),
+    python(
         "filtered velocities without an error",
         "diagnosis/estimation/roughness.py",
         "axis=2) @ spreads**2",

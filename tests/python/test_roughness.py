@@ -88,6 +88,32 @@ def test_slams_that_are_over_in_a_second_are_told_by_an_accelerometer(push):
     assert left.rougher[0] * 0.5 < np.std(slam) * 75.0
 
 
+def pushed_sideways(train, push):
+    """A log whose hull an acceleration [m/s^2] has pushed sideways, shape of its samples."""
+    h = train.t[1] - train.t[0]
+    columns = {**train.columns, "ay": train.columns["ay"] + push, "v": train.columns["v"] + np.cumsum(push) * h}
+    return replace(train, columns=columns)
+
+
+@pytest.mark.parametrize(("spells", "size"), [(0, 0.0), (3, 0.02), (3, 0.05), (1, 0.08)])
+def test_a_force_in_spells_is_no_doubt_of_its_own_size(spells, size):
+    """Wakes of three ships made 3.2 times the declared force, and a third of it was at the least: spells scattered the blocks that told its error."""
+    vehicle, train = vehicle_of(), sea(1.0)[0]
+    t = train.t - train.t[0]
+    rng = np.random.default_rng(3)
+    push = np.zeros(t.size)
+    for late in np.linspace(60.0, t[-1] - 60.0, spells):
+        past = (t - late - rng.uniform(-10.0, 10.0)) / 15.0
+        # A packet of whole swings, so that the hull is as fast after it as before.
+        push += size * np.where(np.abs(past) < 1.0, np.cos(0.5 * np.pi * past) ** 2 * np.sin(2 * np.pi * 3 * past), 0.0)
+    fit = plain_fit(vehicle, channels(pushed_sideways(train, push), vehicle), everything)
+    shown = fit.noise.rougher
+    true = np.std(push) / declared_ambient(vehicle, lightest(vehicle, fit.h.values)).deviation[1]
+    assert 0.4 * true < shown[1] < np.hypot(1.0, true)
+    assert (shown[1] > ROUGHER) == (true > ROUGHER)
+    assert (true > ROUGHER) == (size > 0.02)
+
+
 def test_errors_of_poor_velocities_are_no_force_that_an_accelerometer_reads():
     """A stranger's drone had an `unknown` beside its cross-flow: the model's drag at a velocity that was off lasted as a force does."""
     text = re.sub("(absolute|relative) = [0-9.]+", r"\1 = 0.0", vehicle_of().text)

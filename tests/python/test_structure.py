@@ -20,7 +20,7 @@ from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.null.tail import NullTest
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.selection import confirmation
-from ivsid.diagnosis.selection.adequacy import RISK, Adequacy
+from ivsid.diagnosis.selection.adequacy import RISK, Adequacy, adequacy
 from ivsid.diagnosis.selection.confirmation import CLOSE, StructureTest, confirmed_structure
 from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.hulls import Asked
@@ -235,6 +235,35 @@ def test_products_of_manoeuvring_models_stand_in_the_dictionary(name):
         assert whitened[0].ravel() @ x[names.index(f"{channel}|{name}")].ravel() == pytest.approx(1.0, abs=1e-9)
 
 
+def slosh(train, share, period=2.2, damping=0.1):
+    """A log whose hull carries a tank of a share of its mass, with water that swings ahead and astern.
+
+    Oracle: a weight on a spring along the hull, in steps of a hundredth of a second; the hull's own change of speed by it is small.
+    """
+    t, fine = train.t - train.t[0], 0.01
+    ahead = np.interp(np.arange(0.0, t[-1], fine), t, np.gradient(train.columns["u"], t))
+    w, at, speed, push = 2 * np.pi / period, 0.0, 0.0, []
+    for a in ahead:
+        pull = w * w * at + 2 * damping * w * speed
+        speed -= fine * (pull + a)
+        at += fine * speed
+        push.append(share * pull)
+    whole = np.cumsum(push) * fine
+    moved = np.interp(t, np.arange(0.0, t[-1], fine), whole)
+    columns = {**train.columns, "u": train.columns["u"] + moved, "ax": train.columns["ax"] + np.gradient(moved, t)}
+    return replace(train, columns=columns)
+
+
+@pytest.mark.parametrize(("share", "seen"), [(0.0, False), (0.1, True)])
+def test_water_that_swings_in_a_tank_is_seen_in_memories_of_the_motion(share, seen):
+    """Two strangers' catamarans with a tank were adequate: the noise of the log was learnt with the slosh in it."""
+    vehicle = vehicle_of()
+    fit = plain_fit(vehicle, channels(slosh(train_of(vehicle), share), vehicle), everything)
+    left = adequacy(fit)
+    assert left.white == (not seen)
+    assert not seen or left.strongest[0][:2] == ("memory", "surge")
+
+
 @pytest.mark.parametrize(
     ("regressor", "words"),
     [
@@ -246,6 +275,7 @@ def test_products_of_manoeuvring_models_stand_in_the_dictionary(name):
         ("change of thrust", "with the thrust"),
         ("thrust of t psi", "with the thrust"),
         ("1", "the same all the time"),
+        ("long memory", "trails the motion"),
         ("v|r|", "velocities"),
         ("u v^2", "velocities"),
     ],

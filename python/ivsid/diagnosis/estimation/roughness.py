@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.data.sensor_noise import NORMAL_MEDIAN
 from ivsid.diagnosis.estimation.noise import (
     ASSUMED_ACCURACY,
     ASSUMED_ARM,
@@ -36,6 +37,9 @@ BLOCK: Final = 20.0
 # Blocks from which a scatter is told.
 # Source: definition: fewer have hardly any
 FEWEST: Final = 4
+# Blocks from which the scatter of their middle half counts: of fewer it may be small by chance.
+# Source: definition: half of eight are four
+MANY: Final = 8
 # Standard errors below the estimate that count as "at the least".
 # Source: definition: of twelve normal estimates three in a thousand lie below, over three axes one in a hundred logs
 ERRORS: Final = 3.0
@@ -157,7 +161,15 @@ def _lasting(x: Array, good: NDArray[np.bool_], time: float, h: float) -> float:
         return 0.0
     x = np.where(good, x - x[good].mean(), 0.0)
     each = np.add.reduceat(x[lag:] * x[:-lag], edges)[whole] / count[whole]
-    return float(each.mean() - ERRORS * each.std(ddof=1) / np.sqrt(each.size))
+    return float(each.mean() - ERRORS * _scatter(each) / np.sqrt(each.size))
+
+
+def _scatter(each: Array) -> float:
+    """Standard deviation of blocks as evenly rough as most of them are: a force in spells scatters them itself, which is no doubt of its mean."""
+    spread = float(each.std(ddof=1))
+    if each.size < MANY:
+        return spread
+    return min(spread, float(np.median(np.abs(each - np.median(each)))) / NORMAL_MEDIAN)
 
 
 def _of_thrusts(predictor: Predictor) -> Array:

@@ -1,19 +1,22 @@
-"""A generic dictionary of regressors: powers and products of velocities, thrusts, heading, place and time in every channel.
+"""A generic dictionary of regressors: powers and products of velocities, thrusts, heading, place and time in every channel, and memories of the motion.
 
 Source: docs/theory.md, "Diagnosis"; Abkowitz, *Lectures on Ship Hydrodynamics*, 1964 (products of the third order); Fedyaevsky and Sobolev 1963 and
-Norrbin 1970 (moduli).
+Norrbin 1970 (moduli); Cummins, "The impulse response function and ship motions", Schiffstechnik 9, 1962 (memory of the water).
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.effects import CHANNELS
+from ivsid.linear.filters import decaying
 
 Array = NDArray[np.float64]
 SYMBOLS: Final = re.compile(r"[a-z]+")
@@ -23,6 +26,15 @@ THRUSTERS: Final = 4
 # Harmonics of the heading: loads of wind and waves on a hull have a series of them.
 # Source: physics: coefficients of wind loads bend as a third and a fourth harmonic do (Blendermann, *J. Wind Eng. Ind. Aerodyn.* 51, 1994)
 HARMONICS: Final = 4
+# Times over which the water remembers the motion, in those of a wave of the hull's length, sqrt(L / g).
+# Source: physics: radiated waves are about gone after one to a few of these times (Cummins 1962), and a free surface in a tank swings as long
+MEMORIES: Final = (1.0, 4.0)
+# Acceleration of gravity [m/s^2].
+# Source: physics: standard gravity, ISO 80000-3
+GRAVITY: Final = 9.80665
+# Least time of a memory, in steps of the clock.
+# Source: geometry: a shorter one is the acceleration itself, which the model's own columns hold
+LEAST_MEMORY: Final = 2.0
 # Least ambient acceleration by which regressors are scaled [m/s^2, rad/s^2].
 # Source: definition: keeps the columns from zero where the ambient force is zero
 LEAST_AMBIENT: Final = 1e-6
@@ -107,4 +119,22 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
             process[k] = sizes[k] * f
             names.append(f"{axis}|{name}")
             arrays.append(process)
+        for name, f in _memories(fit, k):
+            process = np.zeros((3, 2 * n))
+            process[k] = sizes[k] * f
+            names.append(f"{axis}|{name}")
+            arrays.append(process)
     return names, arrays
+
+
+def _memories(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:
+    """Fading means of the model's acceleration along an axis, of unit size, shape (2 n,); none of an axis that is left out."""
+    log = fit.noise.predictor.log
+    if k in fit.noise.left_out:
+        return
+    along = np.split(fit.states.nudot[k], 2)
+    wave = float(np.sqrt(hull_length(fit.noise.predictor.vehicle) / GRAVITY))
+    for times, name in zip(MEMORIES, ("memory", "long memory"), strict=True):
+        decay = float(np.exp(-log.h / max(times * wave, LEAST_MEMORY * log.h)))
+        faded = np.concatenate([decaying((1 - decay) * x, decay) for x in along])
+        yield name, faded / max(float(np.sqrt(np.mean(faded**2))), 1e-9)

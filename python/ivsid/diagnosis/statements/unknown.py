@@ -21,6 +21,7 @@ _SUGGESTED: Final = {
     "x": "it differs from place to place, as a current or a depth does",
     "y": "it differs from place to place, as a current or a depth does",
     "thrust": "it goes with the thrust, as an interaction of thrusters with the hull or with each other does",
+    "memory": "it trails the motion, as water does that swings in a tank or in waves that the hull made",
     "1": "it is the same all the time, as a steady force or an offset of a sensor is",
 }
 _MOTION: Final = "it follows the velocities, as a drag or a coupling does"

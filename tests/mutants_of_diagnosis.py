@@ -206,8 +206,15 @@ DIAGNOSIS = (
     python(
         "a force in spells that doubts itself",
         "diagnosis/estimation/roughness.py",
-        "    if each.size < MANY:\n",
-        "    if each.size < 1e9:\n",
+        "if each.size >= MANY else spread",
+        "if each.size >= 1e9 else spread",
+        "test_roughness.py",
+    ),
+    python(
+        "a thrust error in spells that is a force",
+        "diagnosis/null/beyond_curves.py",
+        "_, found = least_ambient(",
+        "found, _ = least_ambient(",
         "test_roughness.py",
     ),
     python(

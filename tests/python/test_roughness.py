@@ -152,6 +152,15 @@ def test_a_sea_that_hides_in_the_accuracy_of_the_thrusts_is_not_adequate(factor,
     assert not rough or "whatever thrust curve inside its accuracy" in unknown(found, []).description
 
 
+def test_errors_of_thrusts_that_come_in_spells_are_no_force():
+    """A sound ROV whose thrusts jump between levels, at eighteen times its declared force: its blocks scatter with the demands."""
+    c = case(256035, what="none", sea="any", sensors="any", ambient=0.3, share=0.98)
+    assert (c.stratum["kind"], c.stratum["family"]) == ("rov", "levels")
+    vehicle = parse_vehicle(c.text, "v.toml")
+    left = adequacy(plain_fit(vehicle, channels(logs_of_case(c)[0], vehicle), everything))
+    assert left.quiet and 0.0 < max(left.beyond_curves) < ROUGHER
+
+
 def test_whitened_errors_are_taken_back():
     """Oracle: the whitening itself, forwards."""
     vehicle = vehicle_of()

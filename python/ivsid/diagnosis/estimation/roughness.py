@@ -69,11 +69,11 @@ def roughness(
     inertia = np.array(list(least.values()))
     said = declared_ambient(vehicle, least)
     declared = np.array(said.deviation) if vehicle.ambient is not None else _undeclared(vehicle) / inertia
-    found = least_ambient(predictor, residual, rows, left_out)
+    found, of_all = least_ambient(predictor, residual, rows, left_out)
     # An ambient force that forgets at the declared rate keeps this share of its deviation.
     kept = np.exp(-0.5 * LAGS[0] / np.array(said.time))
     most = np.maximum(found / kept, quick_ambient(predictor, residual, rows, left_out, states))
-    alone = found / declared if vehicle.ambient is not None else np.zeros(3)
+    alone = of_all / declared if vehicle.ambient is not None else np.zeros(3)
     return most / np.hypot(declared, _of_thrusts(predictor) / inertia), alone
 
 
@@ -86,24 +86,30 @@ def _undeclared(vehicle: Vehicle) -> Array:
     return np.array([force, force, force * ASSUMED_ARM * hull_length(vehicle)])
 
 
-def least_ambient(predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]) -> Array:
+def least_ambient(
+    predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]
+) -> tuple[Array, Array]:
     """Ambient acceleration of each axis at the least [m/s^2, rad/s^2], shape (3,); 0 where an axis is left out or a rudder pushes.
 
-    It is what lasts for two seconds: no force of any spectrum is less.
+    It is what lasts for two seconds: no force of any spectrum is less. A force in spells scatters the blocks itself, which is no doubt of its mean;
+    where the accuracy of the thrusts does not count as declared it is one, since an error that jumps with the demand comes in spells as well.
 
     Args:
         predictor: whose filters made the errors.
         residual: prediction errors without all that is explained, shape (rows, n).
         rows: samples that count, shape (n,).
         left_out: indices of the axes that are left out of a fit.
+
+    Returns:
+        By the scatter of most blocks, and by that of all.
     """
-    out = np.zeros(3)
+    out = np.zeros((2, 3))
     for k, (slope, good) in enumerate(slopes_of(predictor, residual, rows)):
         if _told(predictor, k, left_out):
             # Readings on a coarse scale are off by what the motion makes of it: a slope over a second by as much as two independent ones.
             rounded = predictor.log.steps.get("uvr"[k], 0.0) ** 2 / 6
-            out[k] = np.sqrt(max(_lasting(slope, good, LAGS[0], predictor.log.h) - rounded, 0.0))
-    return out
+            out[:, k] = np.sqrt(np.maximum(_lasting(slope, good, LAGS[0], predictor.log.h) - rounded, 0.0))
+    return out[0], out[1]
 
 
 def quick_ambient(
@@ -134,7 +140,7 @@ def quick_ambient(
             # What the filter expects of the ambient acceleration before each reading is a part of it.
             expected, _ = here.ambient(errors)
             read = errors[here.outputs.index("acceleration")] + expected
-            out[k] = np.sqrt(max(_lasting(read, rows, QUICK, predictor.log.h) - noisy[k], 0.0))
+            out[k] = np.sqrt(max(_lasting(read, rows, QUICK, predictor.log.h)[0] - noisy[k], 0.0))
     return out
 
 
@@ -143,7 +149,7 @@ def _told(predictor: Predictor, k: int, left_out: frozenset[int]) -> bool:
     return k not in left_out and (k == 0 or all(t.rudder is None for t in predictor.vehicle.thrusters))
 
 
-def _lasting(x: Array, good: NDArray[np.bool_], time: float, h: float) -> float:
+def _lasting(x: Array, good: NDArray[np.bool_], time: float, h: float) -> Array:
     """The variance of a series at the least, by what a time apart [s] has in common; 0 where too few samples count.
 
     Args:
@@ -151,6 +157,9 @@ def _lasting(x: Array, good: NDArray[np.bool_], time: float, h: float) -> float:
         good: samples that count, shape (m,).
         time: apart.
         h: step [s].
+
+    Returns:
+        By the scatter of most blocks, and by that of all, shape (2,).
     """
     lag, block = max(2, round(time / h)), round(BLOCK / h)
     both = (good[lag:] & good[:-lag]).astype(float)
@@ -158,18 +167,13 @@ def _lasting(x: Array, good: NDArray[np.bool_], time: float, h: float) -> float:
     count = np.add.reduceat(both, edges) if edges.size else np.zeros(0)
     whole = count > 0.5 * block
     if whole.sum() < FEWEST:
-        return 0.0
+        return np.zeros(2)
     x = np.where(good, x - x[good].mean(), 0.0)
     each = np.add.reduceat(x[lag:] * x[:-lag], edges)[whole] / count[whole]
-    return float(each.mean() - ERRORS * _scatter(each) / np.sqrt(each.size))
-
-
-def _scatter(each: Array) -> float:
-    """Standard deviation of blocks as evenly rough as most of them are: a force in spells scatters them itself, which is no doubt of its mean."""
     spread = float(each.std(ddof=1))
-    if each.size < MANY:
-        return spread
-    return min(spread, float(np.median(np.abs(each - np.median(each)))) / NORMAL_MEDIAN)
+    # Most blocks are as evenly rough as noise is.
+    usual = float(np.median(np.abs(each - np.median(each)))) / NORMAL_MEDIAN if each.size >= MANY else spread
+    return np.asarray(each.mean() - ERRORS * np.array([min(usual, spread), spread]) / np.sqrt(each.size))
 
 
 def _of_thrusts(predictor: Predictor) -> Array:

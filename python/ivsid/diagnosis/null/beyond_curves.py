@@ -32,7 +32,7 @@ def rougher_beyond(curve: AnyCurve) -> tuple[float, float, float]:
     whole = left.transpose(1, 0, 2).reshape(rows, -1)
     errors = np.zeros((rows, fit.noise.good.size))
     errors[:, : whole.shape[1]] = fit.noise.whitening.undone(whole)
-    found = least_ambient(predictor, errors, fit.noise.good, fit.noise.left_out)
+    _, found = least_ambient(predictor, errors, fit.noise.good, fit.noise.left_out)
     said = declared_ambient(predictor.vehicle, lightest(predictor.vehicle, fit.h.values))
     x, y, n = (found / np.array(said.deviation)).tolist()
     return x, y, n

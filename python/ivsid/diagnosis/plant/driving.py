@@ -145,12 +145,14 @@ class Driving:
     def _running(self, h: Hypothesis, at: Sequence[float]) -> Inside | None:
         """Thrusts, angles and known forces at places in the steps, on straight lines from one sample to the next where they run."""
         log, n = self.log, self.log.n
-        late = np.array([self.propulsion.runs(k, h.given) for k in range(len(self.vehicle.thrusters))], dtype=bool)
+        rises = np.array(
+            [self.propulsion.rise(k, h.given) for k in range(len(self.vehicle.thrusters))], dtype=np.float64
+        )
         turning = log.running or not log.held
-        if not (turning or late.any()):
+        if not (turning or rises.any()):
             return None
         thrusts = self._worked(h).thrusts
-        pushes = _on_lines(thrusts[:, n:], late[:, None] * _rise(thrusts[:, :n]), at)
+        pushes = _on_lines(thrusts[:, n:], rises[:, None] * _rise(thrusts[:, :n]), at)
         angles, rudders = (_on_lines(x[:, n:], turning * _rise(x[:, :n]), at) for x in (self.turned, self.steered))
         sent = _on_lines(self.sent[:, n:], (not log.held) * _rise(self.sent[:, :n]), at)
         swing = np.cos(angles), np.sin(angles)

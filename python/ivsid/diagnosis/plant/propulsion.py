@@ -190,9 +190,17 @@ class Propulsion:
         time, of_shaft = _lag(thruster, _responses(thruster, given))
         return (time if time > SHORTEST_LAG else 0.0), of_shaft
 
-    def runs(self, k: int, given: Sequence[Given]) -> bool:
-        """Whether the thrust of a thruster runs from one sample to the next: its demands do, or it lags."""
-        return not self.log.held or self.lag(k, given)[0] > 0.0
+    def rise(self, k: int, given: Sequence[Given]) -> float:
+        """What the thrust of a thruster rises by over a step on a straight line, in what it rises by to the next sample.
+
+        It runs all the way where its demands do, or where it lags. A late demand jumps inside the step, a share q of it after the sample: the line of
+        the same mean and the same first moment rises by 6 q (1 - q) of the jump.
+        """
+        if not self.log.held or self.lag(k, given)[0] > 0.0:
+            return 1.0
+        late = max(_responses(self.vehicle.thrusters[k], given).get("delay", 0.0), 0.0) / self.log.h
+        share = late - np.floor(late + WHOLE)
+        return float(6.0 * share * (1.0 - share)) if share > WHOLE else 0.0
 
     def _clock(self, parts: int) -> tuple[Array, Array | None]:
         """Times [s] and voltages at equal parts of the steps, shape (n parts,)."""

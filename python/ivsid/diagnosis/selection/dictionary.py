@@ -128,9 +128,9 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
 
 
 def _memories(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:
-    """Fading means of the model's acceleration along an axis, of unit size, shape (2 n,); none of an axis that is left out."""
+    """Fading means of the model's acceleration along an axis, of unit size, shape (2 n,); surge's alone where yaw is left out, on which sway's depends."""
     log = fit.noise.predictor.log
-    if k in fit.noise.left_out:
+    if k and fit.noise.left_out:
         return
     along = np.split(fit.states.nudot[k], 2)
     wave = float(np.sqrt(hull_length(fit.noise.predictor.vehicle) / GRAVITY))

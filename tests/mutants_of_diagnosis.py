@@ -232,6 +232,13 @@ DIAGNOSIS = (
         "test_structure.py",
     ),
     python(
+        "a position that may jump",
+        "diagnosis/estimation/scatter.py",
+        "np.sqrt(max(at_the_least(each)[0], 0.0)) / allowed",
+        "0.1 * np.sqrt(max(at_the_least(each)[0], 0.0)) / allowed",
+        "test_scatter.py",
+    ),
+    python(
         "water without a memory",
         "diagnosis/selection/dictionary.py",
         "    if k and fit.noise.left_out:\n        return\n    along",

@@ -28,6 +28,7 @@ from ivsid.diagnosis.estimation.noise import (
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.roughness import roughness
+from ivsid.diagnosis.estimation.scatter import scattered
 from ivsid.diagnosis.estimation.whitening import plain_scale, whiten
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.usual_hull import typical_sizes, usual_numbers
@@ -93,7 +94,8 @@ def learn(
         if last:
             rougher, alone = (tuple(x.tolist()) for x in roughness(predictor, left, good, left_out, states))
             white = whiten(predictor, left, good, left_out)
-            return replace(noise, whitening=white, rougher=rougher, alone=alone), states
+            apart = scattered(predictor, left, good, left_out)
+            return replace(noise, whitening=white, rougher=rougher, alone=alone, scatter=apart), states
         predictor = predictor.adopt(ambient_of(predictor, left, good, states.h.values))
         predictor = quick_enough(predictor, predictor.slopes(states))
         states = predictor.settle(states)

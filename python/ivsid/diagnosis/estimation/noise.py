@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -112,6 +112,7 @@ class Noise:
         left_out: indices of the axes that are left out of the fit.
         rougher: ambient acceleration at the least over the declared one and that of thrust errors, by axis.
         alone: the same over the declared one alone.
+        scatter: of prediction errors at the least over the stated accuracy, by channel.
     """
 
     predictor: Predictor
@@ -120,6 +121,7 @@ class Noise:
     left_out: frozenset[int] = frozenset()
     rougher: tuple[float, ...] = (0.0, 0.0, 0.0)
     alone: tuple[float, ...] = (0.0, 0.0, 0.0)
+    scatter: Mapping[str, float] = field(default_factory=dict)
 
 
 def declared_ambient(vehicle: Vehicle, masses: Mapping[str, float] | None = None) -> Ambient:

@@ -170,6 +170,11 @@ def _lasting(x: Array, good: NDArray[np.bool_], time: float, h: float) -> Array:
         return np.zeros(2)
     x = np.where(good, x - x[good].mean(), 0.0)
     each = np.add.reduceat(x[lag:] * x[:-lag], edges)[whole] / count[whole]
+    return at_the_least(each)
+
+
+def at_the_least(each: Array) -> Array:
+    """The mean of blocks at the least, by the scatter of most of them, and by that of all, shape (2,)."""
     spread = float(each.std(ddof=1))
     # Most blocks are as evenly rough as noise is.
     usual = float(np.median(np.abs(each - np.median(each)))) / NORMAL_MEDIAN if each.size >= MANY else spread

@@ -38,6 +38,9 @@ ALONE: Final = 1e-5
 # Ambient acceleration over the declared one and that of thrust errors, at the least, that is no declared one any more.
 # Source: measured: the examination; 35 sound logs reached 1.0, and a shear outside the catalogue 2.5
 ROUGHER: Final = 2.0
+# Root mean square of a sensor's prediction errors at the least, in its stated accuracy, that is no stated one any more.
+# Source: measured: the examination; 60 sound logs reached 0.4, and a position in multipath 9.1
+SCATTERED: Final = 2.0
 # Fall of a single regressor beside slow forces from which on it is no scatter of the noise above their frequencies.
 # Source: measured: the examination; sound logs in waves of half a minute had 52 at most, and the scatter takes four fifths of it
 LOUD: Final = 100.0
@@ -65,6 +68,7 @@ class Adequacy:
         hulls: numbers that the log asks for and that no hull has.
         rougher: ambient acceleration that the log shows at the least, over the declared one with that of thrust errors, by axis.
         beyond_curves: the same beyond any thrust curve inside its accuracy, over the declared one alone; 0 where the log asks for none.
+        scattered: channel whose readings scatter most, and by how much at the least, in its stated accuracy.
         risk: probability below which structure is more than chance.
         alone: whether the best single fall is so rare that no second statistic is asked.
         leans: whether past errors or slow forces inside the declared ones had to take structure for no more than chance to be left, so that they may
@@ -85,6 +89,7 @@ class Adequacy:
     hulls: tuple[Asked, ...] = ()
     rougher: tuple[float, ...] = (0.0, 0.0, 0.0)
     beyond_curves: tuple[float, ...] = (0.0, 0.0, 0.0)
+    scattered: tuple[str, float] = ("", 0.0)
     risk: float = RISK
     alone: bool = False
     leans: bool = False
@@ -158,7 +163,8 @@ class Adequacy:
     @property
     def quiet(self) -> bool:
         """Whether the innovations hold no more structure than chance, with every declared error and the ambient force inside its bound and every number one of hulls."""
-        return self.white and self.in_bounds and not self.hulls and self.roughest <= ROUGHER
+        kept = self.roughest <= ROUGHER and self.scattered[1] <= SCATTERED
+        return self.white and self.in_bounds and not self.hulls and kept
 
     def also(self, beside: Adequacy) -> Adequacy:
         """The same with the structure that stands beside more.
@@ -233,6 +239,7 @@ def adequacy(fit: Fit) -> Adequacy:
         hulls=hulls,
         rougher=rougher,
         beyond_curves=beyond_curves,
+        scattered=max(fit.noise.scatter.items(), key=lambda q: q[1], default=("", 0.0)),
     )
     worst = _none
     if not found.white and fit.noise.predictor.vehicle.thrusters:

@@ -10,7 +10,7 @@ from typing import Final
 
 from ivsid.diagnosis.null.levels import STRUCTURE
 from ivsid.diagnosis.null.rule import Rule, first_refusal
-from ivsid.diagnosis.selection.adequacy import RISK, ROUGHER, Adequacy
+from ivsid.diagnosis.selection.adequacy import RISK, ROUGHER, SCATTERED, Adequacy
 
 # Share of the excess of the plain model that the right causes may leave. States that the ambient force carries over half a step have less excess in the
 # plain model: on a full simulator's log in a current 0.7 of what it was, of which its six right causes leave 0.0204, and left 0.0148;
@@ -86,6 +86,17 @@ OF_THE_SEA: Final = Rule[Left](
     "the log shows at least {value:.2g} times the declared ambient force, and {limit:g} times are none",
     least=False,
 )
+OF_READINGS: Final = Rule[Left](
+    "stated accuracy",
+    "prediction errors of the readings that scatter most, rms at the least, over their stated accuracy",
+    f"at most {SCATTERED:g}",
+    "The noise is learnt from the log, so that readings that jump in spells may pass for noisy ones, and would hide themselves.",
+    "make exam",
+    lambda c: c.after.scattered[1],
+    lambda _: SCATTERED,
+    "readings scatter by at least {value:.2g} times their stated accuracy, and {limit:g} times are none",
+    least=False,
+)
 OF_FORCES: Final = Rule[Left](
     "force of no cause",
     f"causes that passed every test and that one force of no cause explains as well, or better, where {100 * REST:g} % or more of the structure before "
@@ -112,4 +123,4 @@ OF_ROWS: Final = Rule[Left](
     lambda c: c.findings == 0,
     least=False,
 )
-VERDICT: Final = (STRUCTURE_RULE, OF_HULLS, OF_THE_SEA, OF_FORCES, OF_ROWS)
+VERDICT: Final = (STRUCTURE_RULE, OF_HULLS, OF_THE_SEA, OF_READINGS, OF_FORCES, OF_ROWS)

@@ -39,3 +39,11 @@ WORDS: Final = {
     "~turn.velocity": Words("turn of the velocity sensor beyond its stated rotation", "rad", "sway"),
     "~turn.acceleration": Words("turn of the accelerometer beyond its stated rotation", "rad", "sway"),
 }
+# Readings with a stated accuracy by channel, as sentences say them, and the channel of the motion in which they act most.
+READ: Final = {
+    "u": ("the velocity ahead", "surge"),
+    "v": ("the velocity to starboard", "sway"),
+    "psi": ("the heading", "yaw"),
+    "x": ("the position north", "surge"),
+    "y": ("the position east", "sway"),
+}

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.selection.adequacy import ROUGHER, Adequacy
+from ivsid.diagnosis.selection.adequacy import ROUGHER, SCATTERED, Adequacy
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.residuals import FindingEvidence
-from ivsid.diagnosis.statements.sensor_words import WORDS
+from ivsid.diagnosis.statements.sensor_words import READ, WORDS
 from ivsid.effects import CHANNELS
 
 # What a regressor of the dictionary suggests, by the first of these words that its name holds.
@@ -33,6 +33,39 @@ def _read(regressor: str) -> str:
         return f"; {_SUGGESTED['thrust']}"
     words = re.split(r"[ ^|]+", regressor)
     return f"; {next((said for word, said in _SUGGESTED.items() if word in words), _MOTION)}"
+
+
+def _rough(left: Adequacy) -> Iterator[tuple[str, str]]:
+    """The channel of a force that is rougher than declared, and a clause on it."""
+    if left.roughest <= ROUGHER:
+        return
+    declared = max(left.rougher) > ROUGHER
+    times, allowed = (
+        (
+            left.rougher,
+            "what [ambient] and the thrusters' accuracy allow (their absolute accuracy alone, where the file has no [ambient])",
+        )
+        if declared
+        else (left.beyond_curves, "what [ambient] allows, whatever thrust curve inside its accuracy acts beside it")
+    )
+    k = int(np.argmax(times))
+    yield (
+        CHANNELS[k],
+        f"{'the moment' if k == 2 else 'the force'} in {CHANNELS[k]} that nothing explains is at least {times[k]:.2g} times {allowed}: the sea was "
+        "rougher than the vehicle file declares, an accelerometer is worse than it states, or a cause that the catalogue lacks acts there",
+    )
+
+
+def _scattered(left: Adequacy) -> Iterator[tuple[str, str]]:
+    """The channel in which readings act that scatter beyond their stated accuracy, and a clause on them."""
+    name, times = left.scattered
+    if times > SCATTERED:
+        read, channel = READ[name]
+        yield (
+            channel,
+            f"the readings of {read} scatter about the motion by at least {times:.2g} times their stated accuracy: the sensor is worse than it states, or "
+            "its readings jump, as a position does by reflected signals",
+        )
 
 
 def unknown(
@@ -73,25 +106,12 @@ def unknown(
             channel, z, text = said.channel, float(np.sqrt(most.fall)), wrong
         else:
             text += f"; {wrong}"
-    if left.roughest > ROUGHER:
-        declared = max(left.rougher) > ROUGHER
-        times, allowed = (
-            (
-                left.rougher,
-                "what [ambient] and the thrusters' accuracy allow (their absolute accuracy alone, where the file has no [ambient])",
-            )
-            if declared
-            else (left.beyond_curves, "what [ambient] allows, whatever thrust curve inside its accuracy acts beside it")
-        )
-        k = int(np.argmax(times))
-        rough = (
-            f"{'the moment' if k == 2 else 'the force'} in {CHANNELS[k]} that nothing explains is at least {times[k]:.2g} times {allowed}: the sea was "
-            "rougher than the vehicle file declares, an accelerometer is worse than it states, or a cause that the catalogue lacks acts there"
-        )
-        if left.white and left.bounded and left.sensed:
-            channel, z, text = CHANNELS[k], 0.0, rough
+    if odd := [*_rough(left), *_scattered(left)]:
+        rest = [said for _, said in odd]
+        if left.white and left.in_bounds:
+            channel, z, text = odd[0][0], 0.0, "; ".join(rest)
         else:
-            text += f"; {rough}"
+            text = "; ".join([text, *rest])
     if left.hulls:
         numbers = " and ".join(
             f"{a.id} {'above' if a.estimate > a.limit else 'below'} {a.limit:.3g}" for a in left.hulls

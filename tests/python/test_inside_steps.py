@@ -100,7 +100,7 @@ def test_a_quick_vessel_leaves_nothing_of_its_steps():
     assert max(found.values()) < 0.03
 
 
-@pytest.mark.parametrize("late", [0.24, 0.36])
+@pytest.mark.parametrize("late", [0.24, pytest.param(0.36, marks=pytest.mark.nightly)])
 def test_a_late_demand_jumps_inside_a_step(late):
     """A delay of 0.34 s in a ROV of 11.5 kg at 10 Hz brought in one of its velocities of 5 ms: the jump acted all over its step."""
     found, _ = wrong(0.1, late=late)

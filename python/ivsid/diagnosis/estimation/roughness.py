@@ -69,10 +69,13 @@ def roughness(
     inertia = np.array(list(least.values()))
     said = declared_ambient(vehicle, least)
     declared = np.array(said.deviation) if vehicle.ambient is not None else _undeclared(vehicle) / inertia
-    found, of_all = least_ambient(predictor, residual, rows, left_out)
+    of_most, of_all = least_ambient(predictor, residual, rows, left_out)
+    noisy = _of_states(predictor, states)
+    # Spells of quick turns scatter the blocks as spells of a force do.
+    found = np.maximum(np.sqrt(np.maximum(of_most**2 - noisy, 0.0)), of_all)
     # An ambient force that forgets at the declared rate keeps this share of its deviation.
     kept = np.exp(-0.5 * LAGS[0] / np.array(said.time))
-    most = np.maximum(found / kept, quick_ambient(predictor, residual, rows, left_out, states))
+    most = np.maximum(found / kept, quick_ambient(predictor, residual, rows, left_out, noisy))
     alone = of_all / declared if vehicle.ambient is not None else np.zeros(3)
     return most / np.hypot(declared, _of_thrusts(predictor) / inertia), alone
 
@@ -117,7 +120,7 @@ def quick_ambient(
     residual: Array,
     rows: NDArray[np.bool_],
     left_out: frozenset[int],
-    states: FilteredStates,
+    noisy: Array,
 ) -> Array:
     """The same of what lasts for a fifth of a second, where accelerometers read it; 0 for the others, shape (3,).
 
@@ -128,11 +131,9 @@ def quick_ambient(
         residual: prediction errors without all that is explained, shape (rows, n).
         rows: samples that count, shape (n,).
         left_out: indices of the axes that are left out of a fit.
-        states: of the fitted model.
+        noisy: mean square of what errors of filtered velocities make of the model's acceleration, by axis, shape (3,).
     """
     out, row = np.zeros(3), 0
-    spreads = np.array([a.spread for a in predictor.axes[:3]])
-    noisy = np.mean(predictor.slopes(states) ** 2, axis=2) @ spreads**2
     for k, here in enumerate(predictor.axes[:2]):
         errors = residual[row : row + len(here.outputs)]
         row += len(here.outputs)
@@ -142,6 +143,12 @@ def quick_ambient(
             read = errors[here.outputs.index("acceleration")] + expected
             out[k] = np.sqrt(max(_lasting(read, rows, QUICK, predictor.log.h)[0] - noisy[k], 0.0))
     return out
+
+
+def _of_states(predictor: Predictor, states: FilteredStates) -> Array:
+    """Mean square of what errors of the filtered velocities make of the model's acceleration, by axis, shape (3,)."""
+    spreads = np.array([a.spread for a in predictor.axes[:3]])
+    return np.asarray(np.mean(predictor.slopes(states) ** 2, axis=2) @ spreads**2)
 
 
 def _told(predictor: Predictor, k: int, left_out: frozenset[int]) -> bool:

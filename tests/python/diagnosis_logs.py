@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from ivsid import Diagnosis, diagnose
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.fit import Fit
@@ -151,6 +152,13 @@ def logs_of(vehicle, effects=None, *, segments=ZIGZAGS, duration=240.0, rate=10.
     """TRAIN and TEST of the same thrusters."""
     how = {"segments": segments, "duration": duration, "rate": rate, "thrusters": seed}
     return [_log(name, vehicle, effects, seed=number, **how) for name, number in (("train", seed), ("test", seed + 1))]
+
+
+@cache
+def with_a_drag() -> Diagnosis:
+    """Diagnosis of a drag of 12 kg/s that is in both logs: one for all files that look at what is made of a finding."""
+    vehicle = vehicle_of()
+    return diagnose(vehicle, *logs_of(vehicle, {"drag.surge.linear": 12.0}, duration=160.0), null_logs=0)
 
 
 def train_of(vehicle, effects=None, *, seed=21, **how):

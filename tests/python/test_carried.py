@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 from tests.exam.cases import case
 
-from diagnosis_logs import logs_of, logs_of_case, train_of, vehicle_of
+from diagnosis_logs import logs_of_case, train_of, vehicle_of, with_a_drag
 from ivsid import diagnose
 from ivsid.diagnosis import extended_vehicle, lost, stages
 from ivsid.diagnosis.selection.adequacy import Adequacy
@@ -122,9 +122,7 @@ def test_an_unknown_says_both_readings():
 
 @pytest.fixture(scope="module")
 def named():
-    """A drag that is in both logs."""
-    vehicle = vehicle_of()
-    return diagnose(vehicle, *logs_of(vehicle, {"drag.surge.linear": 12.0}, duration=160.0))
+    return with_a_drag()
 
 
 def test_without_its_only_cause_the_model_is_the_plain_one(named):

@@ -230,10 +230,10 @@ ACCURACY = {"u": 0.006, "psi": 0.015}
 @pytest.mark.parametrize(
     ("name", "error", "said"),
     [
-        ("u", lambda x, t: 3.0, "velocity ahead"),
+        # Nightly: constants, whose rule is that of the compass.
+        pytest.param("u", lambda x, t: 3.0, "velocity ahead", marks=pytest.mark.nightly),
         # A stranger's compass, 13 times as wrong as declared, was a gyro with a wrong scale.
         ("psi", lambda x, t: 4.0 * np.sin(2 * x + 0.3), "deviation of the compass"),
-        # Nightly: a constant, whose rule is that of the velocity.
         pytest.param("psi", lambda x, t: 4.0, "bias of the heading", marks=pytest.mark.nightly),
     ],
 )

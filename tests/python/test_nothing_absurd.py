@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.exam.cases import case
 
-from diagnosis_logs import TRUTH, logs_of, logs_of_case, vehicle_of
+from diagnosis_logs import TRUTH, logs_of, logs_of_case, vehicle_of, with_a_drag
 from ivsid import diagnose, identify
 from ivsid.diagnosis import diverging, model_files, worth
 from ivsid.diagnosis.data.channels import channels
@@ -32,9 +32,7 @@ def predictor_of(vehicle, log):
 
 @pytest.fixture(scope="module")
 def found():
-    """A drag that is in both logs, found."""
-    vehicle = vehicle_of()
-    return diagnose(vehicle, *logs_of(vehicle, {"drag.surge.linear": 12.0}, duration=120.0), null_logs=0)
+    return with_a_drag()
 
 
 def test_a_model_that_is_a_vessel_s_and_better_is_written(found):

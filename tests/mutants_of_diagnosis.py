@@ -234,8 +234,15 @@ DIAGNOSIS = (
     python(
         "a position that may jump",
         "diagnosis/estimation/scatter.py",
-        "np.sqrt(max(at_the_least(each)[0], 0.0)) / allowed",
-        "0.1 * np.sqrt(max(at_the_least(each)[0], 0.0)) / allowed",
+        "np.sqrt(max(at_the_least(each)[0], 0.0) / allowed)",
+        "0.1 * np.sqrt(max(at_the_least(each)[0], 0.0) / allowed)",
+        "test_scatter.py",
+    ),
+    python(
+        "a hull that no sea moves between two rows",
+        "diagnosis/estimation/scatter.py",
+        "+ moved[channel] ** 2",
+        "+ 0.0 * moved[channel]",
         "test_scatter.py",
     ),
     python(

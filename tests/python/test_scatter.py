@@ -11,6 +11,7 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.selection.adequacy import SCATTERED, adequacy
 from ivsid.diagnosis.statements.unknown import unknown
+from ivsid.vehicle import parse_vehicle
 
 # Accuracies that the vehicle file of these logs states.
 STATED = {"x": 0.5, "psi": 0.015}
@@ -44,3 +45,14 @@ def test_readings_that_jump_are_no_noise(channel, size, slow, told):
     assert (times > SCATTERED) == told and times < max(size, 0.5)
     assert not told or (name == channel and "times their stated accuracy" in unknown(left, []).description)
     assert told or left.quiet
+
+
+def test_a_rough_sea_between_two_rows_is_no_scatter_of_exact_readings():
+    """A declared sea of 0.1 m/s^2 moves a hull by 2 cm/s from row to row at 5 Hz, where velocities and positions are exact to 1 mm/s and 2 mm."""
+    text = vehicle_of().text.replace("force = 0.15\nmoment = 0.03", "force = 6.0\nmoment = 1.2")
+    text = text.replace("accuracy = 0.006", "accuracy = 0.001").replace("accuracy = 0.5", "accuracy = 0.002")
+    vehicle = parse_vehicle(text, "exact.toml")
+    assert (vehicle.sensors.velocity.accuracy, vehicle.sensors.position.accuracy) == (0.001, 0.002)
+    assert vehicle.ambient.force == 6.0
+    scatter = plain_fit(vehicle, channels(train_of(vehicle, rate=5.0), vehicle), everything).noise.scatter
+    assert {"u", "v", "psi", "x", "y"} == set(scatter) and max(scatter.values()) < SCATTERED

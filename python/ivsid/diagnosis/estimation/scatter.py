@@ -2,6 +2,7 @@
 
 The noise of a log is learnt from its readings, so that a position that jumps by metres in spells is a noisy one, and hides itself. A stated accuracy is a
 bound all the same: three standard deviations of the noise beside errors that change slowly, of which a prediction over one step holds next to nothing.
+What such a prediction cannot know, an ambient force between two rows above all, counts as stated.
 
 Source: docs/theory.md, "Scatter".
 """
@@ -29,7 +30,7 @@ def scattered(
         rows: samples that count, shape (n,).
         left_out: indices of the axes that are left out of a fit, which have none.
     """
-    stated = _stated(predictor.vehicle)
+    stated, moved = _stated(predictor.vehicle), _unforeseen(predictor)
     block = round(BLOCK / predictor.log.h)
     edges = np.arange(0, rows.size - block + 1, block)
     count = np.add.reduceat(rows.astype(float), edges) if edges.size else np.zeros(0)
@@ -41,9 +42,18 @@ def scattered(
         if channel in stated and k not in left_out:
             each = np.add.reduceat(np.where(rows, error, 0.0)[: edges[-1] + block] ** 2, edges)[whole] / count[whole]
             # Readings on a coarse scale are off by their rounding as well.
-            allowed = np.hypot(stated[channel], predictor.log.steps.get(channel, 0.0))
-            found[channel] = float(np.sqrt(max(at_the_least(each)[0], 0.0)) / allowed)
+            allowed = stated[channel] ** 2 + predictor.log.steps.get(channel, 0.0) ** 2 + moved[channel] ** 2
+            found[channel] = float(np.sqrt(max(at_the_least(each)[0], 0.0) / allowed))
     return found
+
+
+def _unforeseen(predictor: Predictor) -> dict[str, float]:
+    """What a prediction over one step cannot know of each reading, in its unit: errors of filtered velocities, and what the ambient force moves."""
+    h = predictor.log.h
+    spreads = np.array([a.spread for a in predictor.axes[:3]])
+    u, v, r = np.hypot(spreads, h * np.array(predictor.ambient.deviation)).tolist()
+    over = h * float(np.hypot(u, v))
+    return {"u": u, "v": v, "psi": h * r, "x": over, "y": over}
 
 
 def _stated(vehicle: Vehicle) -> dict[str, float]:

@@ -106,6 +106,20 @@ DIAGNOSIS = (
         "test_findings.py",
     ),
     python(
+        "causes beside noise of few frequencies that nobody asks to dominate",
+        "diagnosis/statements/rules.py",
+        "lambda c: not c.quiet or c.louder,",
+        "lambda c: not c.quiet,",
+        "test_findings.py",
+    ),
+    python(
+        "a model without a cause that passed as adequate",
+        "diagnosis/stages.py",
+        "imitated=(*rest.imitated, *(f.fall for f in faint)),",
+        "imitated=rest.imitated,",
+        "test_carried.py",
+    ),
+    python(
         "past errors that nobody asks",
         "diagnosis/null/own_past.py",
         "LAGS: Final = 24",

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 from tests.exam.cases import case
 
-from diagnosis_logs import logs_of_case, train_of, vehicle_of, with_a_drag
+from diagnosis_logs import logs_of, logs_of_case, train_of, vehicle_of, with_a_drag
 from ivsid import diagnose
 from ivsid.diagnosis import extended_vehicle, lost, stages
 from ivsid.diagnosis.selection.adequacy import Adequacy
@@ -155,6 +155,26 @@ def test_a_current_that_turns_round_between_the_logs_is_not_named():
     assert made.verdict == "unknown" and "the logs differ" in made.findings[0].description
     assert set(made.model.values) == set(made.selection.plain.h.values) and not made.model.given
     assert made.withdrawn["current.steady"].rule == "carries over"
+
+
+def test_a_cause_that_does_not_dominate_what_is_left_leaves_unknown(monkeypatch):
+    """A crew that walks about had a centre of gravity by name, beside twice what that explained; noise of few frequencies may make as much."""
+    for name, value in (("probability", 1.0), ("statistic", 2.0), ("unexplained", 1e6)):
+        monkeypatch.setattr(Adequacy, name, value)
+    vehicle = vehicle_of()
+    found = diagnose(vehicle, *logs_of(vehicle, {"drag.surge.linear": 12.0}, duration=100.0), null_logs=0)
+    assert [f.effect for f in found.findings] == ["unknown"] and found.findings[0].evidence["z"] > 5
+    assert found.withdrawn["drag.surge.linear"].rule == "dominant"
+    # What passes every test is no chance, so that the model without it is not called adequate, whatever its own structure.
+    assert "drag.surge.linear: its fall of chi²" in found.findings[0].description
+    assert "drag.surge.linear" not in found.model.values
+
+
+@pytest.mark.parametrize(("fall", "louder"), [(159.0, False), (161.0, True)])
+def test_what_is_left_is_louder_than_noise_from_three_fifths_more(fall, louder):
+    left = Left(replace(REST, fall=fall), replace(REST, fall=400.0), 1)
+    assert left.louder == louder
+    assert not replace(left, before=replace(REST, fall=1e5)).louder
 
 
 def test_what_is_left_of_much_structure_is_not_little_on_a_straight_run():

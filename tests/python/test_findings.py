@@ -30,7 +30,7 @@ def _made(monkeypatch):
     monkeypatch.setattr(Adequacy, "beside", lambda rest, *_: rest.unexplained / 10)
 
 
-def named(falls, left, *, complete=False, ids=IDS, terms=(), rule="dominant"):
+def named(falls, left, *, complete=False, ids=IDS, terms=(), rule="dominant", chance=1e-12, louder=False):
     """Names of causes with these falls, where a dictionary of 100 columns finds ``left`` more than chance."""
     found = [
         SimpleNamespace(
@@ -40,8 +40,8 @@ def named(falls, left, *, complete=False, ids=IDS, terms=(), rule="dominant"):
     ]
     plain = SimpleNamespace(h=SimpleNamespace(terms=terms))
     selection = SimpleNamespace(plain=plain, found=found, last=None, leftover=[], curves={})
-    rest = Adequacy(100.0 + left, 100, 1e-12, (("u", "surge", left),), 1e-12, {})
-    made, withdrawn = findings_of(selection, {}, rest, complete=complete)
+    rest = Adequacy(100.0 + left, 100, chance, (("u", "surge", left),), chance, {})
+    made, withdrawn = findings_of(selection, {}, rest, complete=complete, louder=louder)
     assert {f.effect for f in made} | set(withdrawn) == {f.id for f in found}
     assert all(r.rule == rule for r in withdrawn.values())
     return [f.effect for f in made]
@@ -53,6 +53,12 @@ def test_a_cause_beside_unexplained_structure_takes_nine_times_as_much():
     # Little is left: a tenth of it acts in the channels of the cause.
     assert named([9.0], 100.0, complete=True) == []
     assert named([11.0], 100.0, complete=True) == [IDS[0]]
+
+
+def test_a_cause_beside_what_noise_of_few_frequencies_may_make_takes_nine_times_as_much():
+    assert named([9.0], 100.0, complete=True, chance=0.1) == [IDS[0]]
+    assert named([910.0], 100.0, complete=True, chance=0.1, louder=True) == [IDS[0]]
+    assert named([890.0], 100.0, complete=True, chance=0.1, louder=True) == []
 
 
 def test_what_refused_causes_take_stays_unexplained_beside_stronger_ones():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -19,6 +19,7 @@ from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.levels import NAMES
 from ivsid.diagnosis.null.looks import Looks
+from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.null.thresholds import Calibration, calibrate
 from ivsid.diagnosis.null.visibility import Visibility, visibility
 from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
@@ -44,6 +45,7 @@ from ivsid.diagnosis.statements.motion import motion_of, sentences
 from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
 from ivsid.diagnosis.statements.proved import Proof, lasting, proof_of, proved_findings, upheld
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
+from ivsid.diagnosis.statements.rules import DOMINANT_RULE
 from ivsid.diagnosis.statements.shallow_water import change
 from ivsid.diagnosis.statements.trial import Trial, unchanged
 from ivsid.diagnosis.statements.unknown import unknown
@@ -123,12 +125,19 @@ def diagnose(
         before_and_after(vehicle, train, fit, selection.last) if selection.found else {},
         rest.after,
         complete=complete,
+        louder=rest.louder,
     )
     trial = trial.of({f.effect for f in findings})
+    faint = _not_dominant(selection, withdrawn) if complete else ()
     if complete and trial.out:
         # The verdict is on the model that is handed out, which leaves what the others took.
         after = adequacy(handed_out(fit, selection.last, trial.out))
-        rest = replace(rest, after=replace(after, risk=structure.risk), findings=len(findings))
+        rest = replace(
+            rest,
+            after=replace(after, risk=structure.risk),
+            findings=len(findings),
+            imitated=(*rest.imitated, *(f.fall for f in faint)),
+        )
         complete = _complete(rest, proof, vehicle, train)
     trial.look()
     proved, extended = (
@@ -156,7 +165,7 @@ def diagnose(
                     rest.after,
                     trial.out,
                     proved=proof.sentence("unknown") if rest.sufficient else "",
-                    imitated={f"{f.id}: {selection.refused[f.id].sentence}": f.fall for f in selection.imitating},
+                    imitated=_no_findings(selection.imitating, selection.refused) | _no_findings(faint, withdrawn),
                 ),
             )
         )
@@ -243,6 +252,17 @@ def _rest(selection: Selection, before: Adequacy) -> Left:
     """What the model with all causes leaves beside what the plain one does."""
     after = selection.after if selection.found else before
     return Left(after, before, len(selection.found), bool(selection.plain.noise.left_out))
+
+
+def _not_dominant(selection: Selection, withdrawn: Mapping[str, Refusal]) -> tuple[Found, ...]:
+    """Causes that passed every test and do not dominate what is left."""
+    rule = DOMINANT_RULE.name
+    return tuple(f for f in selection.found if f.id in withdrawn and withdrawn[f.id].rule == rule)
+
+
+def _no_findings(causes: Sequence[Found], refused: Mapping[str, Refusal]) -> dict[str, float]:
+    """Why causes that passed every test are no findings, a clause each that begins with the cause, with their falls of chi-squared."""
+    return {f"{f.id}: {refused[f.id].sentence}": f.fall for f in causes}
 
 
 def _undecided(

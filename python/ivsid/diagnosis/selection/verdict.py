@@ -17,6 +17,10 @@ from ivsid.diagnosis.selection.adequacy import RISK, ROUGHER, SCATTERED, Adequac
 # 2.5 % of the smaller excess allow 678 there in chi-squared, and 2 % of the larger one allowed 775.
 # Source: measured: make constants
 REST: Final = 0.025
+# Fall of the dictionary over its degrees of freedom above which what a model leaves is louder than noise alone, whether or not noise of few frequencies
+# makes as much.
+# Source: measured: the examination; beside right causes that explain less than nine times what is left 1.44 at most, beside wrong ones from 1.64 on
+LOUDER: Final = 1.6
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,8 @@ class Left:
         before: adequacy of the plain model.
         findings: number of causes that were found.
         straight: whether yaw is left out: slow causes imitate one another there, so that no rest is little.
-        imitated: falls of chi-squared by causes that passed every test and that one force of no cause explains as well, or better.
+        imitated: falls of chi-squared by causes that passed every test and are no findings: one force of no cause explains as much, or better, or what
+            stays unexplained may be most of what they seem to explain.
         wider: factor on all declared bounds from which on some numbers of the plain model explain the rows of the log; at most 1 without a proof that
             none do inside the bounds, and infinite where no factor would do.
     """
@@ -46,6 +51,11 @@ class Left:
         # Regressors see most of what the refused causes explained, so that the two are not added.
         left = max(self.after.unexplained, sum(self.imitated))
         return self.findings > 0 and not self.straight and left < REST * self.before.unexplained
+
+    @property
+    def louder(self) -> bool:
+        """Whether more is left than noise of all frequencies alone makes, and not little of the structure before."""
+        return not self.little and self.after.statistic > LOUDER
 
     @property
     def sufficient(self) -> bool:
@@ -99,14 +109,14 @@ OF_READINGS: Final = Rule[Left](
 )
 OF_FORCES: Final = Rule[Left](
     "force of no cause",
-    f"causes that passed every test and that one force of no cause explains as well, or better, where {100 * REST:g} % or more of the structure before "
-    "is left, no cause was found or yaw is left out",
+    "causes that passed every test and that one force of no cause explains as well, or better, or that do not dominate what is left, where "
+    f"{100 * REST:g} % or more of the structure before is left, no cause was found or yaw is left out",
     "0",
     "What passes every test is no chance, however little of it the regressors see. Logs with nothing hidden give such causes as rarely as findings.",
     "definition: levels of the verdict in docs/constants.md",
     lambda c: len(c.imitated),
     lambda _: 0,
-    "{value:.0f} causes passed every test, and one force of no cause explains as much",
+    "{value:.0f} causes passed every test, and a force of no cause explains as much",
     lambda c: not c.little,
     least=False,
 )

@@ -97,7 +97,12 @@ class Finding:
 
 
 def findings_of(
-    selection: Selection, evidence: Mapping[str, FindingEvidence], rest: Adequacy, *, complete: bool
+    selection: Selection,
+    evidence: Mapping[str, FindingEvidence],
+    rest: Adequacy,
+    *,
+    complete: bool,
+    louder: bool = False,
 ) -> tuple[tuple[Finding, ...], dict[str, Refusal]]:
     """Findings that are made of the selected causes, and the refusals of those that are none, by id.
 
@@ -106,6 +111,7 @@ def findings_of(
         evidence: residuals before and after, by channel.
         rest: adequacy of the extended model.
         complete: whether little enough structure is left.
+        louder: whether that is more than noise of all frequencies alone makes.
     """
     last = selection.last
     made: dict[str, Finding] = {}
@@ -116,8 +122,9 @@ def findings_of(
         swaps = swapped(selection.found, found.id)
         said = partial(finding, found, last, selection.leftover, evidence, selection.curves, swaps)
         one = said(unknown=not rest.quiet)
-        left = nothing + (rest.beside(last, own_columns(last, found.id)) if complete else rest.unexplained)
-        case = _held(selection, found, one, rest, left, complete=complete)
+        some = complete and not louder
+        left = nothing + (rest.beside(last, own_columns(last, found.id)) if some else rest.unexplained)
+        case = replace(_held(selection, found, one, rest, left, complete=complete), louder=louder)
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
         if refusal is None:
             # A cause is named by what it is beside what explains the rest, which may have moved its numbers.

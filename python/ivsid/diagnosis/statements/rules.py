@@ -43,6 +43,7 @@ class Held:
         boxed: whether its evidence is that declared errors would have to leave their bounds, of which its interval knows nothing.
         beside: standard deviations by which its score stands out of the worst declared errors inside their bounds.
         outside: largest error of a thrust beside it, in its bounds.
+        louder: whether more is left than noise of all frequencies alone makes, though noise of few of them may make as much.
     """
 
     effect: Effect
@@ -56,6 +57,7 @@ class Held:
     boxed: bool = False
     beside: float = 0.0
     outside: float = 0.0
+    louder: bool = False
 
     @property
     def there(self) -> bool:
@@ -97,14 +99,16 @@ class Held:
 
 DOMINANT_RULE: Final = Rule[Held](
     "dominant",
-    "fall of chi² over the unexplained chi² and what weaker causes take that are refused, where structure is left",
+    "fall of chi² over the unexplained chi² and what weaker causes take that are refused, where structure is left, or more than noise of all frequencies "
+    "alone makes",
     f"at least {DOMINANT:g}, or 1 (in its channels) where little is left",
-    "What no cause explains may be most of what this cause seems to explain, and several wrong causes imitate what no single one does.",
+    "What no cause explains may be most of what this cause seems to explain, and several wrong causes imitate what no single one does. Noise of few "
+    "frequencies may be what is left, and may as well be the rest of another cause.",
     "make constants",
     lambda c: c.fall / c.left if c.left > 0 else float("inf"),
-    lambda c: 1.0 if c.complete else DOMINANT,
+    lambda c: 1.0 if c.complete and not c.louder else DOMINANT,
     "its fall of chi² is {value:.2g} times what stays unexplained, and {limit:g} times count",
-    lambda c: not c.quiet,
+    lambda c: not c.quiet or c.louder,
 )
 EXCLUDES: Final = Rule[Held](
     "excludes no effect",

@@ -121,7 +121,7 @@ def test_swell_is_named_by_its_frequency_and_noise_has_none():
     """A deck that swells at 0.1 Hz, in no single line; without swell the same noise has no hump."""
     rng = np.random.default_rng(11)
     dt = 0.1
-    swell = signal.sosfilt(signal.butter(2, [0.08, 0.12], "band", fs=1 / dt, output="sos"), rng.standard_normal(15_000))
+    swell = signal.sosfilt(signal.butter(2, [0.08, 0.12], "band", fs=1 / dt, output="sos"), rng.standard_normal(8_000))
     noise = Sensor(n=1e-3, b=1e-3, t=8.0, k=1e-5).record(swell.size, dt, rng)
     assert allan_deviation("r", noise, dt).motion is None
     moved = allan_deviation("r", noise + 0.02 * swell / swell.std(), dt)

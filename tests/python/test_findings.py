@@ -192,7 +192,7 @@ def test_a_model_without_its_refused_cause_is_not_called_adequate(monkeypatch):
     """The verdict is on the model that is handed out: what a refused cause took is left in it."""
     monkeypatch.undo()
     vehicle = vehicle_of()
-    train, test = logs_of(vehicle, {"drag.yaw.linear": 2.5})
+    train, test = logs_of(vehicle, {"drag.yaw.linear": 2.5}, duration=120.0)
     monkeypatch.setattr(Held, "distance", -1.0)
     monkeypatch.setattr(Held, "there", False)
     result = diagnose(vehicle, train, test, null_logs=0)

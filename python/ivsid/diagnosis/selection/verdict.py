@@ -19,7 +19,7 @@ from ivsid.diagnosis.selection.adequacy import RISK, ROUGHER, SCATTERED, Adequac
 REST: Final = 0.025
 # Fall of the dictionary over its degrees of freedom above which what a model leaves is louder than noise alone, whether or not noise of few frequencies
 # makes as much.
-# Source: measured: the examination; beside right causes that explain less than nine times what is left 1.44 at most, beside wrong ones from 1.64 on
+# Source: measured: the examination; beside right causes 1.44 at most where no narrow swell acts, beside wrong ones from 1.64 on
 LOUDER: Final = 1.6
 
 

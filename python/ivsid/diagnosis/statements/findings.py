@@ -122,8 +122,7 @@ def findings_of(
         swaps = swapped(selection.found, found.id)
         said = partial(finding, found, last, selection.leftover, evidence, selection.curves, swaps)
         one = said(unknown=not rest.quiet)
-        some = complete and not louder
-        left = nothing + (rest.beside(last, own_columns(last, found.id)) if some else rest.unexplained)
+        left = nothing + (rest.beside(last, own_columns(last, found.id)) if complete else rest.unexplained)
         case = replace(_held(selection, found, one, rest, left, complete=complete), louder=louder)
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
         if refusal is None:

@@ -167,7 +167,10 @@ def test_a_cause_that_does_not_dominate_what_is_left_leaves_unknown(monkeypatch)
     assert [f.effect for f in found.findings] == ["unknown"] and found.findings[0].evidence["z"] > 5
     assert found.withdrawn["drag.surge.linear"].rule == "dominant"
     # What passes every test is no chance, so that the model without it is not called adequate, whatever its own structure.
-    assert "drag.surge.linear: its fall of chi²" in found.findings[0].description
+    said = found.findings[0].description
+    assert "drag.surge.linear: its fall of chi²" in said
+    assert "either the ambient force makes what stays unexplained" in said and "calmer sea" in said
+    assert "catalogue lacks" not in said
     assert "drag.surge.linear" not in found.model.values
 
 

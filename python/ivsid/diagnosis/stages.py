@@ -165,7 +165,8 @@ def diagnose(
                     rest.after,
                     trial.out,
                     proved=proof.sentence("unknown") if rest.sufficient else "",
-                    imitated=_no_findings(selection.imitating, selection.refused) | _no_findings(faint, withdrawn),
+                    imitated=_no_findings(selection.imitating, selection.refused),
+                    faint=_no_findings(faint, withdrawn),
                 ),
             )
         )

@@ -123,7 +123,7 @@ def findings_of(
         said = partial(finding, found, last, selection.leftover, evidence, selection.curves, swaps)
         one = said(unknown=not rest.quiet)
         left = nothing + (rest.beside(last, own_columns(last, found.id)) if complete else rest.unexplained)
-        case = replace(_held(selection, found, one, rest, left, complete=complete), louder=louder)
+        case = _held(selection, found, one, rest, left, complete=complete, louder=louder)
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
         if refusal is None:
             # A cause is named by what it is beside what explains the rest, which may have moved its numbers.
@@ -137,7 +137,16 @@ def findings_of(
     return tuple(made[f.id] for f in selection.found if f.id in made), withdrawn
 
 
-def _held(selection: Selection, found: Found, one: Finding, rest: Adequacy, left: float, *, complete: bool) -> Held:
+def _held(
+    selection: Selection,
+    found: Found,
+    one: Finding,
+    rest: Adequacy,
+    left: float,
+    *,
+    complete: bool,
+    louder: bool = False,
+) -> Held:
     """A cause with what the rules of findings ask of it."""
     effect = EFFECTS[found.id]
     parts = any(t.id == effect.shares and t in PAPER_TERMS for t in selection.plain.h.terms)
@@ -145,7 +154,18 @@ def _held(selection: Selection, found: Found, one: Finding, rest: Adequacy, left
     beside = float(np.sqrt(max(min(found.first.shown, found.fall), 0.0))) - found.first.lost
     far = max((most for _, most in rest.outside), default=0.0)
     return Held(
-        effect, found.fall, left, one.parameters, complete, rest.quiet, len(rest.hulls), parts, boxed, beside, far
+        effect,
+        found.fall,
+        left,
+        one.parameters,
+        complete,
+        rest.quiet,
+        len(rest.hulls),
+        parts,
+        boxed,
+        beside,
+        far,
+        louder,
     )
 
 

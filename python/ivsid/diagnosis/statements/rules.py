@@ -20,7 +20,7 @@ from ivsid.effects import Effect
 # Source: measured: make constants
 DOMINANT: Final = 9.0
 # The same in its channels, where noise of few frequencies may make what is left.
-# Source: measured: the examination; right causes in narrow swells exceeded it 4.3 to 45 times, a crew that walks and a backlash 1.3 and 1.7 times
+# Source: measured: the examination; right causes in swells and slow winds exceeded it 4.3 to 45 times, a crew that walks and a backlash 1.3 and 1.7 times
 BESIDE_NOISE: Final = 3.0
 # Alternatives that a finding names.
 # Source: resource: the length of a list in the report

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -68,8 +68,24 @@ def _scattered(left: Adequacy) -> Iterator[tuple[str, str]]:
         )
 
 
+def _passed(imitated: Collection[str], faint: Collection[str]) -> Iterator[str]:
+    """Clauses on causes that passed every test and are no findings, from a clause on each."""
+    if imitated:
+        yield f"a force that the catalogue lacks acts on the hull, or a sensor is worse than it states: {'; '.join(imitated)}"
+    if faint:
+        yield (
+            f"{'; '.join(faint)}: either the ambient force makes what stays unexplained, or another cause makes that and what is taken for this one; "
+            "a longer log, or one in a calmer sea, tells the two apart"
+        )
+
+
 def unknown(
-    left: Adequacy, near: Sequence[str], *, proved: str = "", imitated: Mapping[str, float] | None = None
+    left: Adequacy,
+    near: Sequence[str],
+    *,
+    proved: str = "",
+    imitated: Mapping[str, float] | None = None,
+    faint: Mapping[str, float] | None = None,
 ) -> Finding:
     """Finding ``unknown``: structure that no cause of the catalogue explains.
 
@@ -78,6 +94,7 @@ def unknown(
         near: causes that the fit holds and that are no findings.
         proved: what the rows of the log prove, in a sentence, where statistics alone would leave the model adequate.
         imitated: why causes that passed every test are a force of no cause, a clause each that begins with the cause, with their falls of chi-squared.
+        faint: the same of causes that do not dominate what is left.
     """
     likely = ", ".join(f"{name} in {channel} ({np.sqrt(fall):.0f} sigma)" for name, channel, fall in left.strongest)
     channel = left.strongest[0][1]
@@ -121,9 +138,9 @@ def unknown(
             "file may be wrong, and the fit stops at the limit"
         )
         z = max(z, left.hulls[0].deviations)
-    if imitated:
-        force = f"a force that the catalogue lacks acts on the hull, or a sensor is worse than it states: {'; '.join(imitated)}"
-        z, text = (float(np.sqrt(max(imitated.values()))), force) if left.quiet else (z, f"{text}; {force}")
+    if passed := {**(imitated or {}), **(faint or {})}:
+        clauses = "; ".join(_passed(imitated or {}, faint or {}))
+        z, text = (float(np.sqrt(max(passed.values()))), clauses) if left.quiet else (z, f"{text}; {clauses}")
     if proved:
         z, text = 0.0, f"{proved}; the statistics see no structure that the model lacks"
     if near:

@@ -179,3 +179,16 @@ def test_a_wind_beyond_the_declared_force_keeps_its_name(newton, there):
     found = diagnose(vehicle, *logs_of(vehicle, {"wind.steady.north": newton, "wind.steady.east": 0.0}), null_logs=0)
     assert ("wind.steady" in {f.effect for f in found.findings}) == there
     assert found.verdict == ("wrong" if there else "adequate")
+
+
+def test_a_fall_that_thrust_errors_may_make_is_no_strong_cause(monkeypatch):
+    """Beside it slow forces are asked all the same: a sound vessel had a wind and a tether beside a dead band of 2,459 that its thrust errors may make."""
+    vehicle, train, _ = drawn(8, "one-sided", thrust="sawtooth", share=1.0)
+    fit, found = score(fitted(vehicle, train))
+    here = screening_round.Round(fit, tuple(found), 1e-4, {})
+    most = max((s for s in found if s.physical), key=lambda s: s.shown)
+    left = here.left(most)
+    assert left < 0.7 * most.shown
+    for limit, strong in ((0.5 * (left + most.shown), False), (0.9 * left, True)):
+        monkeypatch.setattr(screening_round, "FORETOLD", limit)
+        assert screening_round.Round(fit, tuple(found), 1e-4, {}).strong == strong

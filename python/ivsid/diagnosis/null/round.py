@@ -86,8 +86,12 @@ class Round:
 
     @cached_property
     def strong(self) -> bool:
-        """Whether a cause stands out of any colour of the noise, which is found first: fainter ones are asked again beside it."""
-        return any(s.physical and s.shown >= FORETOLD for s in self.scored)
+        """Whether a cause stands out of any colour of the noise, which is found first: fainter ones are asked again beside it.
+
+        One that thrust errors inside their bounds may make is never found.
+        """
+        shown = (s for s in self.scored if s.physical and s.shown >= FORETOLD)
+        return any(max(self.left(s), s.boxed) >= FORETOLD for s in shown)
 
     @cached_property
     def boxed(self) -> Boxed:

@@ -269,7 +269,7 @@ OWN_PAST: Final = Rule[Case](
 )
 MINUTES: Final = Rule[Case](
     "minutes",
-    f"chance of the fall of chi² beside slow forces inside the declared ambient force, where all falls are below {FORETOLD:g}",
+    f"chance of the fall of chi² beside slow forces inside the declared ambient force, where all falls that thrust errors may not make are below {FORETOLD:g}",
     "at most the calibrated threshold of this log",
     "An ambient force may have any spectrum, that of minutes as well: over a log it looks like a wind, a drag that grows or a battery that runs down.",
     "make exam",

@@ -29,6 +29,27 @@ DIAGNOSIS = (
         "test_frequencies.py",
     ),
     python(
+        "readings of irregular rows at their wanted times",
+        "diagnosis/data/between.py",
+        "at = np.clip(np.floor((np.arange(n) + times) * count + 0.5)",
+        "at = np.clip(np.floor((np.arange(n) + 0.0 * times) * count + 0.5)",
+        "test_irregular_clock.py",
+    ),
+    python(
+        "velocities over ground that wander with the hull",
+        "diagnosis/plant/declared_readings.py",
+        'return {"u": np.cos(c["psi"]) * error, "v": -np.sin(c["psi"]) * error}',
+        'return {"u": error}',
+        "test_declared_readings.py",
+    ),
+    python(
+        "strong causes that thrust errors may make",
+        "diagnosis/null/round.py",
+        "return any(max(self.left(s), s.boxed) >= FORETOLD for s in shown)",
+        "return any(True for s in shown)",
+        "test_slow_force.py",
+    ),
+    python(
         "whole steps of a slow clock",
         "diagnosis/data/channels.py",
         "LONG_BESIDE_LAG: Final = 0.03",

@@ -16,6 +16,7 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.declared_errors import nuisances
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.plant.declared_readings import deviations, drawn_inside, unit
+from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 from ivsid.workflow.diagnosis import diagnosis_report
@@ -264,3 +265,44 @@ def test_an_attitude_inside_its_accuracy_leaves_no_bias(stated, named):
     log = Log(level.name, level.sha256, level.t, {**level.columns, **tilt})
     found = screened(vehicle, log)
     assert named == set(found.passed[:1]) and found.quiet == (not named)
+
+
+def test_errors_of_a_velocity_in_earth_axes_are_those_of_its_projection():
+    """Oracle: north and east velocities with small errors, brought to the hull by a heading with one."""
+    rng = np.random.default_rng(3)
+    u, v, psi = rng.standard_normal((3, 50))
+    north, east = u * np.cos(psi) - v * np.sin(psi), u * np.sin(psi) + v * np.cos(psi)
+    c = {"u": u, "v": v, "psi": psi}
+    size, shape = 1e-6, rng.standard_normal(50)
+    slow = [shape] * 7
+    moves = {"~bias.north.1": (size, 0, 0), "~bias.east.2": (0, size, 0), "~bias.psi.3": (0, 0, size)}
+    for name, (n, e, p) in moves.items():
+        turned = psi + p * shape
+        read = {
+            "u": (north + n * shape) * np.cos(turned) + (east + e * shape) * np.sin(turned),
+            "v": (east + e * shape) * np.cos(turned) - (north + n * shape) * np.sin(turned),
+        }
+        added = unit(name, c, slow, earth=True)
+        for q, x in read.items():
+            np.testing.assert_allclose(size * added[q], x - c[q], atol=1e-11)
+    np.testing.assert_array_equal(unit("~bias.psi.3", c, slow, earth=True)["psi"], shape)
+    assert set(unit("~bias.psi.3", c, slow)) == {"psi"}
+
+
+@pytest.mark.parametrize("earth", [True, False])
+def test_a_velocity_that_wanders_in_the_axes_in_which_it_is_read_is_inside_its_accuracy(earth):
+    """Over ground it wanders with the place, not with the hull: read as the hull's own it is more than it may be."""
+    here = setting(45, **VESSEL)
+    text = here.text.replace("accuracy = 0.006", "accuracy = 0.018")
+    assert text != here.text
+    log = logs_of(here, {}, {})[0]
+    c, t = dict(log.columns), log.t
+    north, east = (0.8 * 0.018 * np.sin(2 * np.pi * q * t / t[-1] + 0.9) for q in (1.7, 0.6))
+    cos, sin = np.cos(c["psi"]), np.sin(c["psi"])
+    c |= {"u": c["u"] + north * cos + east * sin, "v": c["v"] - north * sin + east * cos}
+    derived = dict.fromkeys("uv", ("velocity_north", "velocity_east", "psi")) if earth else {}
+    vehicle = parse_vehicle(text, "vehicle.toml")
+    fit = plain_fit(vehicle, channels(Log(log.name, log.sha256, t, c, derived=derived), vehicle), everything)
+    assert adequacy(fit).sensed == earth
+    names = {n.rsplit(".", 1)[0] for n in fit.gram.names if n.startswith("~bias.")}
+    assert ("~bias.north" in names, "~bias.u" in names) == (earth, not earth)

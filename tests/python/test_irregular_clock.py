@@ -18,21 +18,28 @@ SUDDEN = CRAFT.replace("time_constant = {lag}\n", "").replace(
     "absolute = 0.1, relative = 0.01", "absolute = 0.02, relative = 0.002"
 )
 PARTS = 12
+FELT = """[sensors.acceleration]
+accuracy = 0.02
+sampling = "{sampling}"
+
+"""
 
 
-def sailed(seconds, seed, astray):
-    """The craft by hand: rows 0.1 s apart, as a rule, and demands that change at rows and hold until the next.
+def sailed(seconds, seed, astray, usual=0.1, feels=None):
+    """The craft by hand: rows a usual step apart, as a rule, and demands that change at rows and hold until the next.
 
     Args:
         seconds: of the log.
         seed: of demands, rows and noise.
         astray: largest share by which a step is longer or shorter than usual.
+        usual: step [s].
+        feels: whether an accelerometer is read at the rows (False) or gives means over the step before them (True), or there is none.
     """
     rng = np.random.default_rng(seed)
-    t = np.cumsum(0.1 * (1 + astray * rng.uniform(-1, 1, round(seconds * 10))))
-    state, out, demand = np.zeros(4), [], np.zeros(2)
-    for k, step in enumerate(np.diff(t, append=t[-1] + 0.1)):
-        if k % 8 == 0:
+    t = np.cumsum(usual * (1 + astray * rng.uniform(-1, 1, round(seconds / usual))))
+    state, out, demand, felt, mean = np.zeros(4), [], np.zeros(2), [], np.zeros(2)
+    for k, step in enumerate(np.diff(t, append=t[-1] + usual)):
+        if k % round(0.8 / usual) == 0:
             demand = rng.uniform(10, 70) + rng.choice([-1.0, 1.0]) * rng.uniform(5, 16) * np.array([1.0, -1.0])
         out.append([*state, *demand])
         X, N = 0.2 * demand.sum(), 0.2 * 0.3 * (demand[0] - demand[1])
@@ -48,15 +55,25 @@ def sailed(seconds, seed, astray):
                 ]
             )
 
-        h = step / PARTS
+        def push(x, rates=rates):
+            du, dv = rates(x)[:2]
+            return np.array([du - x[1] * x[2], dv + x[0] * x[2]])
+
+        felt.append(mean if feels and k else push(state))
+        h, mean = step / PARTS, np.zeros(2)
         for _ in range(PARTS):
             a = rates(state)
             b = rates(state + h * a)
-            state = state + 0.5 * h * (a + b)
+            after = state + 0.5 * h * (a + b)
+            mean = mean + 0.5 * (push(state) + push(after)) / PARTS
+            state = after
     u, v, r, psi, port, starboard = np.array(out).T
     noise = [size * rng.standard_normal(t.size) for size in (0.003, 0.003, 0.001, 0.003)]
     u, v, r, psi = (x + e for x, e in zip((u, v, r, psi), noise, strict=True))
     columns = {"u": u, "v": v, "r": r, "psi": psi, "demand_port": port, "demand_starboard": starboard}
+    if feels is not None:
+        ax, ay = np.array(felt).T + 0.005 * rng.standard_normal((2, t.size))
+        columns |= {"ax": ax, "ay": ay}
     return Log("craft.csv", "0" * 64, t - t[0], columns)
 
 
@@ -68,6 +85,26 @@ def test_demands_of_irregular_rows_act_from_their_rows_on(followed, monkeypatch)
         monkeypatch.setattr(resampling, "STRAY", 1.0)
     found = screened(parse_vehicle(SUDDEN, "craft.toml"), sailed(200.0, 3, 0.24))
     assert (found.passed == [] and found.quiet) == followed
+
+
+# Nightly: quicker rows.
+@pytest.mark.parametrize(
+    ("usual", "sampling"),
+    [
+        (0.04, "instantaneous"),
+        (0.05, "averaged"),
+        *(pytest.param(*q, marks=pytest.mark.nightly) for q in [(0.02, "instantaneous"), (0.03, "averaged")]),
+    ],
+)
+def test_means_over_irregular_rows_are_those_of_their_rows(usual, sampling):
+    """Each reading of a mean lies between two rows, and a demand, or a mean over a step, acts between its own rows."""
+    craft = CRAFT.replace("time_constant = {lag}\n", "")
+    vehicle = parse_vehicle(craft.replace("[ambient]", f"{FELT.format(sampling=sampling)}[ambient]"), "craft.toml")
+    log = sailed(100.0, 3, 0.3, usual, sampling == "averaged")
+    data = channels(log, vehicle)
+    assert data.h > 1.5 * usual and isinstance(data.between, Straddled)
+    found = screened(vehicle, log)
+    assert found.passed == [] and found.quiet
 
 
 @pytest.mark.parametrize("first", [0, 1, 3])
@@ -92,32 +129,50 @@ def test_rows_on_a_uniform_clock_are_no_strays():
 
 
 @settings(max_examples=40)
-@given(st.integers(0, 2**32 - 1))
-def test_readings_on_straight_lines_between_irregular_rows(seed):
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1, 2, 3]))
+def test_readings_on_straight_lines_between_irregular_rows(seed, readings):
     """Oracle: a quantity whose rate jumps at rows alone is interpolated without error, so that readings less values are what its rates add up to."""
     rng = np.random.default_rng(seed)
-    count, n = 40, 30
+    count, n = 120, 30
     # Rows at whole parts of a clock of one step, so that no part is cut.
-    rows = np.cumsum(rng.integers(25, 48, n + 12)) / count - 2.0
+    rows = np.cumsum(rng.integers(75 // readings, 144 // readings, readings * n + 40)) / count - 2.0
     rows = rows[: np.searchsorted(rows, n + 2.0)]
     rates, fine = rng.standard_normal(rows.size), np.arange(-2 * count, (n + 2) * count + 1) / count
     of_part = rates[np.clip(np.searchsorted(rows, fine[:-1] + 1e-9, side="right") - 1, 0, None)]
     value = np.concatenate([[0.0], np.cumsum(of_part) / count])
     clock = np.arange(n)
-    read = np.interp(clock, rows, np.interp(rows, fine, value))
+    places = (np.arange(readings) - 0.5 * (readings - 1)) / readings
+    wanted = clock + places[:, None]
+    read = np.interp(wanted, rows, np.interp(rows, fine, value)).mean(axis=0)
     parts = of_part[2 * count : (n + 2) * count].reshape(1, n, count)
-    at = np.searchsorted(rows, clock + 1e-9, side="right") - 1
-    between = Straddled.of(Between(parts, parts, parts), clock - rows[at], rows[at + 1] - clock)
-    # A reading farther away than a step counts as one a step away.
-    near = np.maximum(clock - rows[at], rows[at + 1] - clock) <= 1.0
+    at = np.searchsorted(rows, wanted + 1e-9, side="right") - 1
+    between = Straddled.of(Between(parts, parts, parts), places, wanted - rows[at], rows[at + 1] - wanted)
+    # A row farther away than a step counts as one a step away.
+    near = (np.maximum(clock - rows[at], rows[at + 1] - clock) <= 1.0).all(axis=0)
     moved = between.moved(parts, parts[:, 0, 0])[0]
     np.testing.assert_allclose(moved[near][1:], (read - np.interp(clock, fine, value))[near][1:], atol=1e-9)
     held = of_part[2 * count : (n + 2) * count]
-    first, last = rates[at], rates[at + 1]
-    share = (clock - rows[at]) / (rows[at + 1] - rows[at])
+    share = (wanted - rows[at]) / (rows[at + 1] - rows[at])
     inner = near & (clock > 1) & (clock < n - 2)
     sampled = between.sampled(held[None])[0]
-    np.testing.assert_allclose(sampled[inner], ((1 - share) * first + share * last)[inner], atol=1e-9)
-    np.testing.assert_allclose(
-        between.spread, np.where(near, share * (1 - share) * (rows[at + 1] - rows[at]) ** 2, between.spread), atol=1e-12
-    )
+    there = ((1 - share) * rates[at] + share * rates[at + 1]).mean(axis=0)
+    np.testing.assert_allclose(sampled[inner], there[inner], atol=1e-9)
+    spread = ((1 - share) * (rows[at] - clock) ** 2 + share * (rows[at + 1] - clock) ** 2).mean(axis=0)
+    np.testing.assert_allclose(between.spread[near], spread[near], atol=1e-12)
+
+
+def test_means_over_steps_of_irregular_rows_add_up():
+    """Oracle: what steps between rows add up to is the integral; with parts, each row counts from the nearest part on."""
+    rng = np.random.default_rng(7)
+    rows = np.cumsum(rng.uniform(0.03, 0.05, 400))
+    rows -= rows[0]
+    rates = rng.standard_normal(400)
+    log = Log("means.csv", "0" * 64, rows, {"ax": rates})
+    clock = np.arange(0.04, rows[-1], 0.08)
+    resample = resampling.Resampler(log, clock, 0.08, 2)
+    fine = (np.arange(80000) + 0.5) * (rows[-1] / 80000)
+    for parts in (0, 4):
+        at = rows if not parts else clock[0] + np.round((rows - clock[0]) / 0.02) * 0.02
+        whole = np.concatenate([[0.0], np.cumsum(rates[np.searchsorted(at, fine)]) * fine[0] * 2])
+        expected = np.diff(np.interp([clock[1:] - 0.08, clock[1:]], np.arange(80001) * (2 * fine[0]), whole), axis=0)
+        np.testing.assert_allclose(resample("ax", since=parts)[1:], expected[0] / 0.08, atol=0.02)

@@ -92,18 +92,32 @@ class Between:
 
 @dataclass(frozen=True)
 class Straddled(Between):
-    """The same where a sample lies on the straight line between a reading before it and one after it, at irregular times.
+    """The same where each reading of a sample lies on the straight line between a row before it and one after it, at irregular times.
 
     Attributes:
-        times: from each sample back to the reading before it and on to the one after it, in steps, neither negative, shape (2, n).
+        times: from each sample to the rows of its readings, in steps, at most one either way, shape (rows, n).
+        weights: of the rows in the sample, shape (rows, n).
     """
 
     times: Array | None = None
+    weights: Array | None = None
 
     @classmethod
-    def of(cls, between: Between, back: Array, on: Array) -> Self:
-        """The same demands and angles, and how far each reading lies from its sample [steps], shape (n,) each."""
-        return cls(between.demands, between.angles, between.rudders, times=np.clip([back, on], 0.0, 1.0))
+    def of(cls, between: Between, places: Array, back: Array, on: Array) -> Self:
+        """The same demands and angles, with the rows of irregular readings.
+
+        Args:
+            between: at a regular clock.
+            places: of the readings, from their sample [steps], shape (readings,).
+            back: from each of them back to the row before it [steps], shape (readings, n).
+            on: from each of them on to the row after it [steps], shape (readings, n).
+        """
+        back, on = np.clip([back, on], 0.0, 1.0)
+        whole = back + on
+        before = np.where(whole > 0, on / np.where(whole > 0, whole, 1.0), 1.0)
+        times = np.concatenate([places[:, None] - back, places[:, None] + on])
+        weights = np.concatenate([before, 1.0 - before]) / len(places)
+        return cls(between.demands, between.angles, between.rudders, times=np.clip(times, -1.0, 1.0), weights=weights)
 
     @property
     def apart(self) -> bool:
@@ -111,32 +125,28 @@ class Straddled(Between):
         return True
 
     @cached_property
-    def _share(self) -> tuple[Array, Array, Array]:
-        """Weights of the reading before and of that after, and the times to them, shapes (n,), (n,) and (2, n)."""
-        assert self.times is not None
-        back, on = self.times
-        whole = back + on
-        before = np.where(whole > 0, on / np.where(whole > 0, whole, 1.0), 1.0)
-        return before, 1.0 - before, self.times
+    def _rows(self) -> tuple[Array, Array]:
+        assert self.times is not None and self.weights is not None
+        return self.times, self.weights
 
     def sampled(self, x: Array) -> Array:
         """As of ``Between``."""
         n, count = self.demands.shape[1:]
-        before, after, (back, on) = self._share
-        middle = np.arange(n) * count
+        times, weights = self._rows
         # A demand is in force from its own row on, which begins at the nearest part (``Resampler.between``).
-        at = [np.clip(np.floor(middle + k * count + 0.5).astype(int), 0, n * count - 1) for k in (-back, on)]
-        return np.asarray(before * x[..., at[0]] + after * x[..., at[1]])
+        at = np.clip(np.floor((np.arange(n) + times) * count + 0.5).astype(int), 0, n * count - 1)
+        first, *others = (w * x[..., k] for w, k in zip(weights, at, strict=True))
+        return np.asarray(sum(others, first))
 
     @cached_property
     def around(self) -> tuple[Array, Array]:
         """As of ``Between``, for each sample, shape (n, parts) each."""
-        count = self.demands.shape[2]
-        before, after, (back, on) = self._share
-        part = np.arange(count)
-        within = np.clip(count * on[:, None] - part, 0.0, 1.0) / count
-        ahead = np.clip(part + 1 - count * (1 - back[:, None]), 0.0, 1.0) / count
-        return after[:, None] * within, -before[:, None] * ahead
+        n, count = self.demands.shape[1:]
+        part, after, before = np.arange(count), np.zeros((n, count)), np.zeros((n, count))
+        for time, weight in zip(*self._rows, strict=True):
+            after += weight[:, None] * np.clip(count * time[:, None] - part, 0.0, 1.0) / count
+            before -= weight[:, None] * np.clip(part + 1 - count * (1 + time[:, None]), 0.0, 1.0) / count
+        return after, before
 
     def moved(self, rate: Array, first: Array | float = 0.0) -> Array:
         """As of ``Between``."""
@@ -149,5 +159,5 @@ class Straddled(Between):
     @cached_property
     def spread(self) -> Array | float:
         """As of ``Between``, for each sample, shape (n,)."""
-        before, after, (back, on) = self._share
-        return np.asarray(before * back**2 + after * on**2)
+        times, weights = self._rows
+        return np.asarray(np.sum(weights * times**2, axis=0))

@@ -71,6 +71,7 @@ class Channels:
         notes: sentences on the samples and channels that are not used.
         running: whether angles run from a sample to the next where demands hold.
         turned: whether the heading alone tells the yaw rate, which is no reading then.
+        earth: whether u and v follow from velocities in earth axes.
     """
 
     name: str
@@ -96,6 +97,7 @@ class Channels:
     notes: tuple[str, ...] = ()
     running: bool = False
     turned: bool = False
+    earth: bool = False
 
     @property
     def n(self) -> int:
@@ -159,25 +161,16 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     nu = np.stack([resample(n) for n in ("u", "v", "r")])
     sensor = vehicle.sensors.acceleration
     averaged = sensor is not None and sensor.sampling == "averaged"
-    ax, ay, rdot = (resample.optional(n, since=averaged) for n in ("ax", "ay", "rdot"))
-    if ax is None and (udot := resample.optional("udot", since=averaged)) is not None:
+    between = _inside_steps(vehicle, resample, fixed=fixed) if held and vehicle.thrusters else None
+    since = None if not averaged else 0 if between is None else between.demands.shape[2]
+    ax, ay, rdot = (resample.optional(n, since=since) for n in ("ax", "ay", "rdot"))
+    if ax is None and (udot := resample.optional("udot", since=since)) is not None:
         ax = udot - nu[1] * nu[2]
-    if ay is None and (vdot := resample.optional("vdot", since=averaged)) is not None:
+    if ay is None and (vdot := resample.optional("vdot", since=since)) is not None:
         ay = vdot + nu[0] * nu[2]
     psi = resample("psi", unwrap=True) if "psi" in log.columns else None
     place = np.stack([resample("x"), resample("y")]) if {"x", "y"} <= set(log.columns) else None
     demands, angles, rudders = _sent(vehicle, resample, held=held)
-    between = None
-    if held and h > RARE * log.period and vehicle.thrusters:
-        # Times between two samples cut the steps of the log in half.
-        parts = min(int(np.ceil(h / log.period - WHOLE)) * (2 - count % 2), MOST_PARTS)
-        between = _between(vehicle, resample, parts, _read(parts, count))
-    elif (held and vehicle.thrusters and resample.irregular) or (
-        held and fixed and any(h > _long(t) and (t.time_constant or 0.0) < EVEN * h for t in vehicle.thrusters)
-    ):
-        between = _between(vehicle, resample, min(int(np.ceil(h / PART - WHOLE)), MOST_PARTS), (0,))
-        if resample.irregular:
-            between = Straddled.of(between, *resample.neighbours)
     force = np.zeros((3, clock.size))
     if not vehicle.thrusters:
         for k, name in enumerate(("force_X", "force_Y", "moment_N")):
@@ -213,6 +206,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         steps,
         (*made, *notes),
         turned="r" in log.derived,
+        earth=log.derived.get("u", ("",))[0] == "velocity_north",
     )
 
 
@@ -232,6 +226,28 @@ def _sent(vehicle: Vehicle, resample: Resampler, *, held: bool) -> tuple[Array, 
             log.column(f"rudder_{thruster.name}", f"for the rudder of thruster {thruster.name}")
             rudders[k] = resample(f"rudder_{thruster.name}", sent=True, held=held)
     return demands, angles, rudders
+
+
+def _inside_steps(vehicle: Vehicle, resample: Resampler, *, fixed: bool) -> Between | None:
+    """Held demands and angles inside the steps, if the clock is slower than the log, rows come at irregular times or a step is long; else None.
+
+    Args:
+        vehicle: with thrusters.
+        resample: of its log.
+        fixed: whether no thruster turns.
+    """
+    h, count, period = resample.h, resample.count, resample.log.period
+    slower, astray = h > RARE * period, resample.irregular
+    bent = fixed and any(h > _long(t) and (t.time_constant or 0.0) < EVEN * h for t in vehicle.thrusters)
+    if not (slower or astray or bent):
+        return None
+    # Times between two samples cut the steps of the log in half.
+    of_rows, of_step = int(np.ceil(h / period - WHOLE)) * (2 - count % 2), int(np.ceil(h / PART - WHOLE))
+    if slower and not (astray and count > 1):
+        parts = min(of_rows, MOST_PARTS)
+        return _between(vehicle, resample, parts, _read(parts, count))
+    between = _between(vehicle, resample, min(max(of_step, 2 * (count - 1)), MOST_PARTS), (0,))
+    return Straddled.of(between, resample.places, *resample.neighbours) if astray else between
 
 
 def _read(parts: int, count: int) -> tuple[int, ...]:

@@ -41,7 +41,7 @@ class Resampler:
         self.good = np.ones(clock.size, dtype=bool)
 
     def __call__(
-        self, name: str, *, sent: bool = False, held: bool = False, unwrap: bool = False, since: bool = False
+        self, name: str, *, sent: bool = False, held: bool = False, unwrap: bool = False, since: int | None = None
     ) -> Array:
         """A column on the clock, shape (n,): a demand at its times, the mean of a reading over the step around them.
 
@@ -50,7 +50,8 @@ class Resampler:
             sent: a demand, which stays in force between its samples; a reading is not ``good`` in a gap.
             held: the last value at or before each time (a zero-order hold), in place of straight lines.
             unwrap: an angle is followed through whole turns.
-            since: the mean of a reading over the step before each time instead: one that is a mean over the step before its row.
+            since: the mean of a reading over the step before each time instead: one that is a mean over the step before its row. Irregular rows count
+                from the nearest of so many parts of a step on, as their demands do; from their own times on if it is 0.
         """
         values = self.log.columns[name]
         there = np.isfinite(values)
@@ -65,9 +66,26 @@ class Resampler:
             return np.interp(self.clock, t, x)
         nearest = np.minimum(np.abs(self.clock - t[at]), np.abs(t[np.minimum(at + 1, t.size - 1)] - self.clock))
         self.good &= nearest <= FARTHEST * self.h
-        places = np.arange(self.count) - (self.count - 1 if since else 0.5 * (self.count - 1))
-        found = np.mean([np.interp(self.clock + k * (self.h / self.count), t, x) for k in places], axis=0)
+        if since is not None and self.irregular:
+            return self._since(t, x, since)
+        places = self.places if since is None else self.places - self.places[-1]
+        found = np.mean([np.interp(self.clock + k * self.h, t, x) for k in places], axis=0)
         return np.asarray(found, dtype=np.float64)
+
+    def _since(self, t: Array, x: Array, parts: int) -> Array:
+        """Means over the steps before the times of the clock, from those over the steps before irregular rows, shape (n,)."""
+        if parts:
+            part = self.h / parts
+            t = self.clock[0] + np.floor((t - self.clock[0]) / part + NEAREST) * part
+        # The first reading counts for all that lies before it.
+        t = np.concatenate([[min(t[0], self.clock[0]) - self.h], t])
+        whole = np.concatenate([[0.0], np.cumsum(x * np.diff(t))])
+        return np.asarray(np.diff([np.interp(self.clock - q, t, whole) for q in (self.h, 0.0)], axis=0)[0] / self.h)
+
+    @property
+    def places(self) -> Array:
+        """Places of the readings of a sample around it [steps], shape (count,)."""
+        return (np.arange(self.count) - 0.5 * (self.count - 1)) / self.count
 
     @cached_property
     def irregular(self) -> bool:
@@ -77,9 +95,10 @@ class Resampler:
 
     @property
     def neighbours(self) -> tuple[Array, Array]:
-        """Times from each time of the clock back to the row before it and on to the row after it [steps], shape (n,) each."""
-        at = np.clip(np.searchsorted(self.log.t, self.clock, side="right") - 1, 0, self.log.t.size - 2)
-        return (self.clock - self.log.t[at]) / self.h, (self.log.t[at + 1] - self.clock) / self.h
+        """Times from each place of readings back to the row before it and on to the row after it [steps], shape (count, n) each."""
+        read = self.clock + self.places[:, None] * self.h
+        at = np.clip(np.searchsorted(self.log.t, read, side="right") - 1, 0, self.log.t.size - 2)
+        return (read - self.log.t[at]) / self.h, (self.log.t[at + 1] - read) / self.h
 
     def between(self, name: str, parts: int) -> Array:
         """A held demand at equal parts of the steps of a clock that is slower than the log, shape (n, parts)."""
@@ -91,7 +110,7 @@ class Resampler:
         at = np.searchsorted(t, clock + near * self.h / parts, side="right") - 1
         return np.asarray(x[np.clip(at, 0, t.size - 1)])
 
-    def optional(self, name: str, *, since: bool = False) -> Array | None:
+    def optional(self, name: str, *, since: int | None = None) -> Array | None:
         """A reading on the clock, shape (n,), or None if the log has no sample of it."""
         if name not in self.log.columns or not np.isfinite(self.log.columns[name]).any():
             return None

@@ -49,8 +49,8 @@ def _sensors(s: Signatures, out: Columns) -> None:
     measured |= set() if log.psi is None else {"psi"} if log.turned else {"r", "psi"}
     measured |= {"x", "y"} if len(predictor.axes) > 3 else set()
     exact = predictor.exact(s.states)
-    for name, size in deviations(predictor.vehicle):
-        added = {q: x for q, x in unit(name, exact, predictor.slow).items() if q in measured}
+    for name, size in deviations(predictor.vehicle, earth=log.earth):
+        added = {q: x for q, x in unit(name, exact, predictor.slow, earth=log.earth).items() if q in measured}
         if added:
             step = READING_STEP * size
             wrong = predictor.misread(s.states, {q: step * x for q, x in added.items()}, mass=s.mass)

@@ -109,16 +109,17 @@ def _leaving(g: Gram, base: Sequence[int], at: Sequence[int], turn: Array) -> Le
     return Leaving(float(rest @ rest), int(kept.sum()), float(np.abs(free).max(initial=0.0)))
 
 
-def readings(vehicle: Vehicle, g: Gram, base: Sequence[int]) -> Iterator[tuple[str, Leaving]]:
+def readings(vehicle: Vehicle, g: Gram, base: Sequence[int], *, earth: bool = False) -> Iterator[tuple[str, Leaving]]:
     """What the errors of each reading gain where they may leave their bounds, by name of the error.
 
     Args:
         vehicle: with its sensors.
         g: cross-products at a fit.
         base: columns that are fitted.
+        earth: whether velocities are read in earth axes.
     """
     known = {g.names[k]: k for k in base}
-    for name, parts, turn in bounded(vehicle):
+    for name, parts, turn in bounded(vehicle, earth=earth):
         held = [j for j, part in enumerate(parts) if part in known]
         if held:
             yield name, _leaving(g, base, [known[parts[j]] for j in held], turn[held])

@@ -101,7 +101,8 @@ def thrusts(others: Others) -> tuple[float, int, float]:
 def misread_of(others: Others) -> tuple[Misread, Misread] | None:
     """The error of readings that leaves its bound most, each beside what leaves it the most probable, and the same beside curves alone."""
     fit, vehicle = others.fit, others.fit.noise.predictor.vehicle
-    found = dict(readings(vehicle, fit.gram, fit.base))
+    earth = fit.noise.predictor.log.earth
+    found = dict(readings(vehicle, fit.gram, fit.base, earth=earth))
     if fit.noise.left_out:
         # The yaw rate answers to moments that no model follows there, and a gust brings forces with them.
         found = {name: q for name, q in found.items() if not name.startswith(ARM)}
@@ -113,7 +114,7 @@ def misread_of(others: Others) -> tuple[Misread, Misread] | None:
         return name, most, min(1.0, most.chance * len(found))
 
     def asked(g: Gram) -> None:
-        there = readings(vehicle, g, range(len(g.names)))
+        there = readings(vehicle, g, range(len(g.names)), earth=earth)
         found.update((n, q) for n, q in there if n in found and q.chance > found[n].chance)
 
     if worst()[2] <= DOUBT and vehicle.thrusters:

@@ -169,7 +169,7 @@ def _declared_errors(
     Returns:
         Sizes by name, each of shape (count,), and thrust errors by thruster, each of shape (count, TABLE) or None.
     """
-    inside = [drawn_inside(programme.vehicle, rng) for rng in rngs]
+    inside = [drawn_inside(programme.vehicle, rng, earth=programme.log.earth) for rng in rngs]
     # An error without a bound of its own is normal.
     drawn = {
         name: np.array(
@@ -255,7 +255,7 @@ def _readings(log: Channels, x: Array, nudot: Array, noise: dict[str, Array], dr
         mean = np.diff(x[:3], axis=1) / log.h + 0.5 * (cross[:, 1:] + cross[:, :-1])
         specific = np.concatenate([specific[:, :1], mean], axis=1)
     exact = {"u": u, "v": v, "r": r, "ax": specific[0], "ay": specific[1], "rdot": nudot[2], "psi": x[3]}
-    off = declared(drawn, exact, slow_shapes(n))
+    off = declared(drawn, exact, slow_shapes(n), earth=log.earth)
     a = tuple(
         None if log.acceleration[k] is None else specific[k] + off.get(name, 0.0) + noise[name]
         for k, name in enumerate(("ax", "ay", "rdot"))

@@ -1,7 +1,7 @@
 """Errors of readings that a vehicle file declares: slow biases, the velocity's scale, and where a sensor stands and whither it points.
 
 Each is linear in its size. A bias is slow: an ``accuracy`` bounds the whole error of a reading, and not its noise alone. A compass errs by the heading
-as well: iron on board, or magnetometers that differ.
+as well: iron on board, or magnetometers that differ. A velocity in earth axes is wrong in them, and an error of the heading turns it.
 
 Source: docs/theory.md, "Declared errors of readings"; Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2011, chapter 7
 (readings off the origin); Archibald Smith's exact deviation coefficients B to E (semicircular and quadrantal deviation).
@@ -88,8 +88,8 @@ def _of(accuracy: float, instability: float = 0.0) -> _Slow:
     return _Slow(instability + BOUNDED * accuracy, waves + BOUNDED * accuracy, bound)
 
 
-def _slow(vehicle: Vehicle) -> dict[str, _Slow]:
-    """Slow errors of readings by channel."""
+def _slow(vehicle: Vehicle, *, earth: bool) -> dict[str, _Slow]:
+    """Slow errors of readings by channel, of the velocity in the axes in which it is read."""
     sensors = vehicle.sensors
     acceleration, gyro = sensors.acceleration, sensors.yaw_rate
     found: dict[str, _Slow] = {}
@@ -99,7 +99,7 @@ def _slow(vehicle: Vehicle) -> dict[str, _Slow]:
         found |= {q: _of(acceleration.accuracy + tilt, acceleration.axis(k)[0]) for k, q in enumerate(("ax", "ay"))}
     if gyro is not None:
         found["r"] = _of(gyro.accuracy, gyro.axis(0)[0])
-    of = {"u v": sensors.velocity, "psi": sensors.heading, "x y": sensors.position}
+    of = {"north east" if earth else "u v": sensors.velocity, "psi": sensors.heading, "x y": sensors.position}
     return found | {q: _of(s.accuracy) for channels, s in of.items() if s is not None for q in channels.split()}
 
 
@@ -120,9 +120,9 @@ def _bounds(vehicle: Vehicle) -> dict[str, float]:
     return found
 
 
-def deviations(vehicle: Vehicle) -> Iterator[tuple[str, float]]:
-    """Name and standard deviation of each declared error of a reading that is not nothing."""
-    slow = _slow(vehicle).items()
+def deviations(vehicle: Vehicle, *, earth: bool = False) -> Iterator[tuple[str, float]]:
+    """Name and standard deviation of each declared error of a reading that is not nothing; ``earth`` says that velocities are read in earth axes."""
+    slow = _slow(vehicle, earth=earth).items()
     found = {f"{BIAS}{q}.{j}": e.wave if j else e.constant for q, e in slow for j in range(WANDERING)}
     found |= {name: SCALE * bound for name, bound in _bounds(vehicle).items()}
     if (heading := vehicle.sensors.heading) is not None:
@@ -139,22 +139,22 @@ def assumed(vehicle: Vehicle, name: str) -> bool:
     return not (mount.position_accuracy if kind == "arm" else mount.rotation_accuracy)
 
 
-def bounded(vehicle: Vehicle) -> Iterator[tuple[str, tuple[str, ...], Array]]:
+def bounded(vehicle: Vehicle, *, earth: bool = False) -> Iterator[tuple[str, tuple[str, ...], Array]]:
     """Errors of readings inside a bound: name of the whole, names of its parts, and their sizes by values of one bound, shape (parts, values).
 
     The values of a slow error are those at as many moments as it has shapes, at which the shapes are orthogonal (discrete cosine transform); those of a
     deviation, which a constant completes, are those on five headings round the compass (discrete Fourier transform).
     """
-    for name, parts, sizes in _inside(vehicle):
+    for name, parts, sizes in _inside(vehicle, earth=earth):
         # Positions count from the first one, whose error is as large.
         yield name, parts, 2.0 * sizes if name in (f"{BIAS}x", f"{BIAS}y") else sizes
 
 
-def _inside(vehicle: Vehicle) -> Iterator[tuple[str, tuple[str, ...], Array]]:
+def _inside(vehicle: Vehicle, *, earth: bool) -> Iterator[tuple[str, tuple[str, ...], Array]]:
     """The same for the readings as they are."""
     at = (np.arange(WANDERING) + 0.5) / WANDERING
     shapes = np.linalg.inv(np.cos(np.pi * np.outer(at, np.arange(WANDERING))))
-    for q, error in _slow(vehicle).items():
+    for q, error in _slow(vehicle, earth=earth).items():
         if error.bound is not None:
             yield f"{BIAS}{q}", tuple(f"{BIAS}{q}.{j}" for j in range(WANDERING)), error.bound * shapes
     if (heading := vehicle.sensors.heading) is not None and heading.accuracy:
@@ -165,46 +165,59 @@ def _inside(vehicle: Vehicle) -> Iterator[tuple[str, tuple[str, ...], Array]]:
         yield name, (name,), np.array([[bound]])
 
 
-def drawn_inside(vehicle: Vehicle, rng: np.random.Generator) -> dict[str, float]:
+def drawn_inside(vehicle: Vehicle, rng: np.random.Generator, *, earth: bool = False) -> dict[str, float]:
     """Sizes of all errors of readings inside a bound, anywhere in it, by name of the part.
 
     Args:
         vehicle: whose sensors they are.
         rng: draws them.
+        earth: whether velocities are read in earth axes.
     """
     found: dict[str, float] = {}
-    for _, parts, sizes in _inside(vehicle):
+    for _, parts, sizes in _inside(vehicle, earth=earth):
         found |= dict(zip(parts, (sizes @ rng.uniform(-1.0, 1.0, sizes.shape[1])).tolist(), strict=True))
     return found
 
 
-def unit(name: str, c: Mapping[str, Array], slow: Sequence[Array]) -> dict[str, Array]:
+def unit(name: str, c: Mapping[str, Array], slow: Sequence[Array], *, earth: bool = False) -> dict[str, Array]:
     """What a unit of a declared error adds to the readings, shape (n,) each, by channel.
 
     Args:
         name: of the error.
         c: u, v [m/s], r [rad/s], ax, ay [m/s^2], rdot [rad/s^2] and psi [rad] at samples, shape (n,) each.
         slow: shapes in time of a slow bias, shape (n,) each.
+        earth: whether velocities are read in earth axes, and turned by the heading that is read.
     """
     if name.startswith(BIAS):
         channel, wave = name.removeprefix(BIAS).split(".")
-        return {channel: slow[int(wave)]}
-    if name in PARTS:
-        return {"psi": PARTS[name](c["psi"])}
-    return _FIXED[name](c)
+        error = slow[int(wave)]
+    elif name in PARTS:
+        channel, error = "psi", PARTS[name](c["psi"])
+    else:
+        return _FIXED[name](c)
+    if channel == "north":
+        return {"u": np.cos(c["psi"]) * error, "v": -np.sin(c["psi"]) * error}
+    if channel == "east":
+        return {"u": np.sin(c["psi"]) * error, "v": np.cos(c["psi"]) * error}
+    if earth and channel == "psi":
+        return {"psi": error, "u": c["v"] * error, "v": -c["u"] * error}
+    return {channel: error}
 
 
-def declared(errors: Mapping[str, float], c: Mapping[str, Array], slow: Sequence[Array]) -> dict[str, Array]:
+def declared(
+    errors: Mapping[str, float], c: Mapping[str, Array], slow: Sequence[Array], *, earth: bool = False
+) -> dict[str, Array]:
     """What declared errors add to the readings, shape (n,) each, by channel; channels without one are left out.
 
     Args:
         errors: sizes by name, of which those of readings count.
         c: as of ``unit``.
         slow: as of ``unit``.
+        earth: as of ``unit``.
     """
     out: dict[str, Array] = {}
     for name, size in errors.items():
         if size and name.startswith((BIAS, DEVIATION, *FIXED)):
-            for q, x in unit(name, c, slow).items():
+            for q, x in unit(name, c, slow, earth=earth).items():
                 out[q] = out.get(q, 0.0) + size * x
     return out

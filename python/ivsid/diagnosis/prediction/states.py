@@ -241,7 +241,7 @@ class StateFilter:
         """The readings without the hypothesis's sensor effects and declared sensor errors, shape (n,) each, by axis and output."""
         log, h = self.log, states.h
         wrong = self.sensed(h.given, states)
-        off = declared(h.declared_errors, self.exact(states), self.slow)
+        off = declared(h.declared_errors, self.exact(states), self.slow, earth=log.earth)
         nu = [log.nu[k] - wrong[q] - off.get(q, 0.0) for k, q in enumerate(("u", "v", "r"))]
         if (apart := self.from_samples(states)) is not None:
             nu = [x - apart[k] for k, x in enumerate(nu)]

@@ -31,7 +31,9 @@ def hints(fit: Fit) -> tuple[str, ...]:
     """Sentences on biases, scale factors and thrust errors that the log shows inside their bounds, and on a strong ambient force."""
     g, p = fit.gram, fit.projection
     out: list[str] = []
-    bounds = {name: float(np.abs(turn[0]).sum()) for name, _, turn in bounded(fit.noise.predictor.vehicle)}
+    predictor = fit.noise.predictor
+    inside_of = bounded(predictor.vehicle, earth=predictor.log.earth)
+    bounds = {name: float(np.abs(turn[0]).sum()) for name, _, turn in inside_of}
     out += _compass(fit)
     for i, k in enumerate(p.base):
         name = g.names[k]

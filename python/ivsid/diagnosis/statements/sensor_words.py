@@ -27,6 +27,8 @@ WORDS: Final = {
     "~bias.r": Words("gyro's bias", "rad/s", "yaw"),
     "~bias.u": Words("bias of the velocity ahead", "m/s", "surge"),
     "~bias.v": Words("bias of the velocity to starboard", "m/s", "sway"),
+    "~bias.north": Words("bias of the velocity north", "m/s", "surge"),
+    "~bias.east": Words("bias of the velocity east", "m/s", "sway"),
     "~bias.psi": Words("bias of the heading", "rad", "yaw"),
     "~deviation.psi": Words("deviation of the compass", "rad", "yaw"),
     "~bias.x": Words("change of the position's error north", "m", "surge"),

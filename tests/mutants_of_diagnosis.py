@@ -29,6 +29,13 @@ DIAGNOSIS = (
         "test_frequencies.py",
     ),
     python(
+        "late velocities at their own samples",
+        "diagnosis/plant/readings.py",
+        "return max(found, default=None)",
+        "return None",
+        "test_late_velocities.py",
+    ),
+    python(
         "readings of irregular rows at their wanted times",
         "diagnosis/data/between.py",
         "at = np.clip(np.floor((np.arange(n) + times) * count + 0.5)",

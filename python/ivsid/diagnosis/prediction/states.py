@@ -14,7 +14,7 @@ from ivsid.diagnosis.plant.declared_readings import declared, slow_shapes
 from ivsid.diagnosis.plant.driving import Driving
 from ivsid.diagnosis.plant.physics import Dynamics, Hypothesis, Mass, acceleration, changed
 from ivsid.diagnosis.plant.points import Points
-from ivsid.diagnosis.plant.readings import added_readings, exact_readings
+from ivsid.diagnosis.plant.readings import added_readings, exact_readings, lateness
 from ivsid.diagnosis.prediction.axes import AXES, Ambient, labels_of, motion_axes, track_axes
 from ivsid.diagnosis.prediction.filtered_states import Carried, FilteredStates, twice
 from ivsid.diagnosis.prediction.inside_steps import InsideSteps, Places, inside
@@ -153,7 +153,7 @@ class StateFilter:
                 if "position" in here.outputs:
                     psi = readings[k]["position"] - e[0] + here.kalman_gain[0] @ e
                 ambient, pushed[k] = here.ambient(e)
-            states = replace(self._evaluated(states.h, nu, psi, states, before, pushed), ambient=ambient)
+            states = replace(self._evaluated(states.h, nu, psi, states, before, pushed), ambient=ambient, pushed=pushed)
         return states
 
     def slopes(self, states: FilteredStates) -> Array:
@@ -240,11 +240,14 @@ class StateFilter:
     def readings(self, states: FilteredStates) -> list[dict[str, Array]]:
         """The readings without the hypothesis's sensor effects and declared sensor errors, shape (n,) each, by axis and output."""
         log, h = self.log, states.h
-        wrong = self.sensed(h.given, states)
+        late = lateness(h.given, log.h)
+        wrong = self.sensed(h.given, states, late)
         off = declared(h.declared_errors, self.exact(states), self.slow, earth=log.earth)
         nu = [log.nu[k] - wrong[q] - off.get(q, 0.0) for k, q in enumerate(("u", "v", "r"))]
         if (apart := self.from_samples(states)) is not None:
             nu = [x - apart[k] for k, x in enumerate(nu)]
+        if late:
+            nu = [*(x + self._read_later(k, late, x, states) for k, x in enumerate(nu[:2])), nu[2]]
         out: list[dict[str, Array]] = []
         for k in range(3):
             here = {"velocity": nu[k]}
@@ -261,6 +264,16 @@ class StateFilter:
         if len(self.axes) > 3 and log.place is not None:
             out += [{"position": x - off.get(q, 0.0)} for q, x in zip("xy", log.place, strict=True)]
         return out
+
+    def _read_later(self, k: int, steps: int, now: Array, states: FilteredStates) -> Array:
+        """What a velocity's reading some steps later has beyond that of each sample, shape (n,); the filtered state stands for one that is missing.
+
+        A filter that got late readings at their own samples would answer to its own past, and swing up over a delay of about twice its memory.
+        """
+        read, n = self.log.nu[k], self.log.n
+        later = np.minimum(np.arange(n) + steps, n - 1)
+        there = self.log.good[later] & (np.arange(n) + steps < n)
+        return np.where(there, read[later] - read, states.points.nu[k, :n] - now)
 
     def from_samples(self, states: FilteredStates) -> Array | None:
         """Means of averaged readings of the velocity less the velocity at their samples, shape (3, n); None where no readings are averaged.
@@ -322,6 +335,9 @@ class StateFilter:
         """Readings of exact sensors at the origin at these states, shape (n,) each, by channel."""
         return exact_readings(states.points, states.nudot, self.at_samples(states.specific), states.ambient)
 
-    def sensed(self, given: tuple[Given, ...], states: FilteredStates) -> dict[str, Array]:
-        """The numbers that sensor effects add to the readings at these states, shape (n,) each, by channel."""
-        return added_readings(given, states.points, states.nudot, self.exact(states), self.log.h)
+    def sensed(self, given: tuple[Given, ...], states: FilteredStates, late: int | None = None) -> dict[str, Array]:
+        """The numbers that sensor effects add to the readings at these states, shape (n,) each, by channel; ``late`` as of ``added_readings``."""
+        carried = (
+            states.nudot if late is None else states.nudot + twice(np.broadcast_to(states.pushed, (3, self.log.n)))
+        )
+        return added_readings(given, states.points, carried, self.exact(states), self.log.h, late)

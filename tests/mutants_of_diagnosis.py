@@ -31,8 +31,8 @@ DIAGNOSIS = (
     python(
         "late velocities at their own samples",
         "diagnosis/plant/readings.py",
-        "return max(found, default=None)",
-        "return None",
+        "return max(0, round(max(found) / h) - int(FOLLOWED * memory / h + WHOLE))",
+        "return 0",
         "test_late_velocities.py",
     ),
     python(

@@ -35,7 +35,7 @@ def test_a_delay_of_several_steps_has_its_name_and_its_size(steps):
 
 
 def test_numbers_that_are_added_to_readings_at_a_later_sample():
-    """Oracle: a hull that comes to rest; beside a delay of 0.37 s each sample has the reading of 0.3 s later, and other causes act there too."""
+    """Oracle: a hull that comes to rest, whose samples have the readings of 0.3 s later: a delay is that less, and other causes act there too."""
     k, t = 0.4, STEP * np.arange(60)
 
     def velocity(t):
@@ -48,7 +48,11 @@ def test_numbers_that_are_added_to_readings_at_a_later_sample():
     points = SimpleNamespace(nu=velocity(at), thrusts=np.zeros((1, at.size)), psi=np.zeros(at.size))
     exact = exact_readings(points, acceleration(at), np.zeros((3, t.size)), 0.0)
     delay, scale = Given(EFFECTS["sensor.velocity.delay"], (0.37,)), Given(EFFECTS["sensor.velocity.scale"], (0.02,))
-    assert [lateness(given, STEP) for given in ((), (scale,), (delay,), (scale, delay))] == [None, None, 3, 3]
+    # A filter with a memory of 0.25 s follows one step, and one with a shorter memory the nearest of them.
+    asked = [
+        lateness(given, STEP, memory) for memory in (0.25, 0.1) for given in ((), (scale,), (delay,), (scale, delay))
+    ]
+    assert asked == [0, 0, 3, 3, 0, 0, 4, 4]
 
     def added(*given):
         return added_readings(given, points, acceleration(at), exact, STEP, 3)
@@ -57,7 +61,8 @@ def test_numbers_that_are_added_to_readings_at_a_later_sample():
         out = velocity(t + 0.3 - then)[:2] * (1.02 if scale in given else 1.0)
         return dict(zip("uv", out - velocity(t)[:2], strict=True))
 
-    for given, then in (((delay,), 0.37), ((delay, scale), 0.37), ((scale,), 0.0), ((), 0.0)):
+    short = Given(delay.effect, (0.24,))
+    for given, then in (((delay,), 0.37), ((delay, scale), 0.37), ((short,), 0.24), ((scale,), 0.0), ((), 0.0)):
         found, expected = added(*given), read(given, then)
         for name in "uv":
             np.testing.assert_allclose(found[name][4:-4], expected[name][4:-4], rtol=2e-3, atol=1e-5)

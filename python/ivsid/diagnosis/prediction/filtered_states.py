@@ -27,7 +27,6 @@ class FilteredStates:
         nudot: the model's accelerations there, shape (3, 2 n).
         ambient: rdot of the ambient moment that the past lets expect at each sample [rad/s^2], shape (n,); a sensor off the origin reads it.
         inside: accelerations inside the steps, where the middle of a step does not stand for all of it.
-        pushed: ambient accelerations that carry the states over the steps, shape (3, n).
     """
 
     h: Hypothesis
@@ -35,7 +34,6 @@ class FilteredStates:
     nudot: Array
     ambient: Array | float = 0.0
     inside: InsideSteps | None = None
-    pushed: Array | float = 0.0
 
     @property
     def over_steps(self) -> Array:

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration, added_force, changed
-from ivsid.diagnosis.plant.readings import lateness
 from ivsid.diagnosis.prediction.axes import Ambient, motion_axes
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates, over_ground, specific_force
 from ivsid.diagnosis.prediction.states import StateFilter
@@ -85,10 +84,10 @@ class Predictor(StateFilter):
         process = acceleration(self.vehicle, other, points) - states.nudot if added is None else mass.solve(added)
         reading: dict[str, Array] = {}
         if of_kind((*h.given, *other.given), Reading):
-            late = lateness(h.given, self.log.h)
-            reading = self.sensed(other.given, states, late)
+            later = self.later(h)
+            reading = self.sensed(other.given, states, later)
             if of_kind(h.given, Reading):
-                before = self.sensed(h.given, states, late)
+                before = self.sensed(h.given, states, later)
                 reading = {k: x - before[k] for k, x in reading.items()}
         if any(np.any(x) for x in reading.values()):
             return self.misread(states, reading, process, mass)

@@ -21,7 +21,7 @@ from ivsid.diagnosis.prediction.inside_steps import InsideSteps, Places, inside
 from ivsid.diagnosis.prediction.kalman import Axis, Filters, apart
 from ivsid.diagnosis.prediction.passes import handed_on, passes
 from ivsid.diagnosis.prediction.yaw_rate import YawRate, yaw_rate
-from ivsid.effects import Change, Given, of_kind
+from ivsid.effects import Change, Given, Reading, of_kind
 from ivsid.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -153,7 +153,7 @@ class StateFilter:
                 if "position" in here.outputs:
                     psi = readings[k]["position"] - e[0] + here.kalman_gain[0] @ e
                 ambient, pushed[k] = here.ambient(e)
-            states = replace(self._evaluated(states.h, nu, psi, states, before, pushed), ambient=ambient, pushed=pushed)
+            states = replace(self._evaluated(states.h, nu, psi, states, before, pushed), ambient=ambient)
         return states
 
     def slopes(self, states: FilteredStates) -> Array:
@@ -240,14 +240,14 @@ class StateFilter:
     def readings(self, states: FilteredStates) -> list[dict[str, Array]]:
         """The readings without the hypothesis's sensor effects and declared sensor errors, shape (n,) each, by axis and output."""
         log, h = self.log, states.h
-        late = lateness(h.given, log.h)
-        wrong = self.sensed(h.given, states, late)
+        later = self.later(h)
+        wrong = self.sensed(h.given, states, later)
         off = declared(h.declared_errors, self.exact(states), self.slow, earth=log.earth)
         nu = [log.nu[k] - wrong[q] - off.get(q, 0.0) for k, q in enumerate(("u", "v", "r"))]
         if (apart := self.from_samples(states)) is not None:
             nu = [x - apart[k] for k, x in enumerate(nu)]
-        if late:
-            nu = [*(x + self._read_later(k, late, x, states) for k, x in enumerate(nu[:2])), nu[2]]
+        if later:
+            nu = [*(x + self._read_later(k, later, x, states) for k, x in enumerate(nu[:2])), nu[2]]
         out: list[dict[str, Array]] = []
         for k in range(3):
             here = {"velocity": nu[k]}
@@ -265,11 +265,17 @@ class StateFilter:
             out += [{"position": x - off.get(q, 0.0)} for q, x in zip("xy", log.place, strict=True)]
         return out
 
-    def _read_later(self, k: int, steps: int, now: Array, states: FilteredStates) -> Array:
-        """What a velocity's reading some steps later has beyond that of each sample, shape (n,); the filtered state stands for one that is missing.
+    def later(self, h: Hypothesis) -> int:
+        """Steps by which each sample has later readings of the velocities than its own: those of a hypothesis's delay beyond what the filters follow.
 
-        A filter that got late readings at their own samples would answer to its own past, and swing up over a delay of about twice its memory.
+        A filter that gets late readings at their own samples answers to its own past, and swings up over a delay of about twice its memory.
         """
+        if not of_kind(h.given, Reading):
+            return 0
+        return lateness(h.given, self.log.h, min(axis.memory for axis in self.axes[:2]))
+
+    def _read_later(self, k: int, steps: int, now: Array, states: FilteredStates) -> Array:
+        """What a velocity's reading some steps later has beyond that of each sample, shape (n,); the filtered state stands for one that is missing."""
         read, n = self.log.nu[k], self.log.n
         later = np.minimum(np.arange(n) + steps, n - 1)
         there = self.log.good[later] & (np.arange(n) + steps < n)
@@ -335,9 +341,6 @@ class StateFilter:
         """Readings of exact sensors at the origin at these states, shape (n,) each, by channel."""
         return exact_readings(states.points, states.nudot, self.at_samples(states.specific), states.ambient)
 
-    def sensed(self, given: tuple[Given, ...], states: FilteredStates, late: int | None = None) -> dict[str, Array]:
-        """The numbers that sensor effects add to the readings at these states, shape (n,) each, by channel; ``late`` as of ``added_readings``."""
-        carried = (
-            states.nudot if late is None else states.nudot + twice(np.broadcast_to(states.pushed, (3, self.log.n)))
-        )
-        return added_readings(given, states.points, carried, self.exact(states), self.log.h, late)
+    def sensed(self, given: tuple[Given, ...], states: FilteredStates, later: int = 0) -> dict[str, Array]:
+        """The numbers that sensor effects add to the readings at these states, shape (n,) each, by channel; ``later`` as of ``added_readings``."""
+        return added_readings(given, states.points, states.nudot, self.exact(states), self.log.h, later)

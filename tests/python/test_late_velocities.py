@@ -23,8 +23,10 @@ def late(seed, steps):
     return Log(f"{seed}.csv", f"{seed:x}" * 64, log.t[:-steps], columns)
 
 
-# Nightly: the delay at which the filters' answer to their own past swung up first.
-@pytest.mark.parametrize("steps", [pytest.param(2, marks=pytest.mark.nightly), 4])
+# Nightly: a delay that the filters' answer to their own past survives, and one whose search starts at a sixth of it.
+@pytest.mark.parametrize(
+    "steps", [pytest.param(2, marks=pytest.mark.nightly), 4, pytest.param(6, marks=pytest.mark.nightly)]
+)
 def test_a_delay_of_several_steps_has_its_name_and_its_size(steps):
     craft = CRAFT.replace("time_constant = {lag}\n", "")
     vehicle = parse_vehicle(craft.replace("[ambient]", f"{FELT.format(sampling='instantaneous')}[ambient]"), "v.toml")

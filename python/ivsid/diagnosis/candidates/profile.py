@@ -124,14 +124,17 @@ def profile(problem: Problem, states: FilteredStates, given: Given, *places: int
     own = {given.effect.parts[j] if given.thruster is None else next(iter(given.named)) for j in places}
     base = [k for k, name in enumerate(g.names) if name not in own]
     predictor = problem.noise.predictor
-    errors = predictor.errors(states)
+    errors, later = predictor.errors(states), predictor.later(states.h)
 
     def chi2(*numbers: float) -> float:
         values = list(given.values)
         for j, value in zip(places, numbers, strict=True):
             values[j] = value
-        gone = predictor.difference(states, moved(states.h, problem.fixed, given, values))
-        return Projection(g.of(errors - gone), base).chi2
+        other = moved(states.h, problem.fixed, given, values)
+        if predictor.later(other) != later:
+            # Samples have other readings there, and states that follow them.
+            return Projection(g.of(predictor.errors(predictor.settle(states.under(other), 2))), base).chi2
+        return Projection(g.of(errors - predictor.difference(states, other)), base).chi2
 
     return chi2
 

@@ -29,6 +29,13 @@ DIAGNOSIS = (
         "test_frequencies.py",
     ),
     python(
+        "rates of velocities as specific forces",
+        "diagnosis/prediction/states.py",
+        "for k in np.flatnonzero(self.log.rates):",
+        "for k in np.flatnonzero((False, False)):",
+        "test_declared_readings.py",
+    ),
+    python(
         "late velocities at their own samples",
         "diagnosis/plant/readings.py",
         "return max(0, round(max(found) / h) - int(FOLLOWED * memory / h + WHOLE))",

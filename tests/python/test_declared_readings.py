@@ -306,3 +306,20 @@ def test_a_velocity_that_wanders_in_the_axes_in_which_it_is_read_is_inside_its_a
     assert adequacy(fit).sensed == earth
     names = {n.rsplit(".", 1)[0] for n in fit.gram.names if n.startswith("~bias.")}
     assert ("~bias.north" in names, "~bias.u" in names) == (earth, not earth)
+
+
+# Nightly: another vessel.
+@pytest.mark.parametrize("seed", [46, pytest.param(40, marks=pytest.mark.nightly)])
+def test_rates_of_velocities_know_nothing_of_a_gyro_that_wanders(seed):
+    """Brought to specific forces by its readings they were wrong by u r, and the heading had to leave its bound."""
+    here = setting(seed, **VESSEL)
+    text = re.sub(r"(\[sensors.yaw_rate\]\n)[^\[]*", r"\1accuracy = 0.06\n", here.text)
+    assert text != here.text
+    log = logs_of(here, {}, {})[0]
+    c = dict(log.columns)
+    c |= {"udot": c.pop("ax") + c["v"] * c["r"], "vdot": c.pop("ay") - c["u"] * c["r"]}
+    c["r"] = c["r"] + 0.6 * 0.06 * np.sin(2 * np.pi * 1.7 * log.t / log.t[-1] + 0.9)
+    vehicle = parse_vehicle(text, "vehicle.toml")
+    data = channels(Log(log.name, log.sha256, log.t, c), vehicle)
+    assert data.rates == (True, True)
+    assert adequacy(plain_fit(vehicle, data, everything)).quiet

@@ -93,7 +93,7 @@ def test_demands_of_irregular_rows_act_from_their_rows_on(followed, monkeypatch)
     [
         (0.04, "instantaneous"),
         (0.05, "averaged"),
-        *(pytest.param(*q, marks=pytest.mark.nightly) for q in [(0.02, "instantaneous"), (0.03, "averaged")]),
+        *(pytest.param(*q, marks=pytest.mark.nightly) for q in [(0.02, "averaged"), (0.03, "averaged")]),
     ],
 )
 def test_means_over_irregular_rows_are_those_of_their_rows(usual, sampling):
@@ -125,6 +125,9 @@ def test_rows_on_a_uniform_clock_are_no_strays():
     keep[[150, 300]] = False
     lost = Log("lost.csv", "0" * 64, np.round(even.t, 4)[keep], {k: x[keep] for k, x in even.columns.items()})
     assert channels(lost, vehicle).between is None
+    # Two readings make a sample, which lies between their rows.
+    quick = channels(sailed(70.0, 3, 0.0, 0.05), vehicle).between
+    assert quick is not None and not isinstance(quick, Straddled)
     assert isinstance(channels(sailed(70.0, 3, 0.1), vehicle).between, Straddled)
 
 

@@ -112,7 +112,6 @@ class Straddled(Between):
             back: from each of them back to the row before it [steps], shape (readings, n).
             on: from each of them on to the row after it [steps], shape (readings, n).
         """
-        back, on = np.clip([back, on], 0.0, 1.0)
         whole = back + on
         before = np.where(whole > 0, on / np.where(whole > 0, whole, 1.0), 1.0)
         times = np.concatenate([places[:, None] - back, places[:, None] + on])

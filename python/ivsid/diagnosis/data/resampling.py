@@ -89,16 +89,16 @@ class Resampler:
 
     @cached_property
     def irregular(self) -> bool:
-        """Whether rows stand off the times of the clock."""
-        at = (self.log.t - self.clock[0]) * (self.count / self.h)
+        """Whether rows stand off the times at which the clock has its readings."""
+        at = (self.log.t - self.clock[0]) * (self.count / self.h) + 0.5 * (self.count - 1)
         return float(np.mean(np.abs(at - np.round(at)) > SAME * self.count)) > STRAY
 
     @property
     def neighbours(self) -> tuple[Array, Array]:
-        """Times from each place of readings back to the row before it and on to the row after it [steps], shape (count, n) each."""
-        read = self.clock + self.places[:, None] * self.h
-        at = np.clip(np.searchsorted(self.log.t, read, side="right") - 1, 0, self.log.t.size - 2)
-        return (read - self.log.t[at]) / self.h, (self.log.t[at + 1] - read) / self.h
+        """Times from each place of readings back to the velocity before it and on to the one after it [steps], shape (count, n) each."""
+        read, t = self.clock + self.places[:, None] * self.h, self.log.t[np.isfinite(self.log.columns["u"])]
+        at = np.clip(np.searchsorted(t, read, side="right") - 1, 0, t.size - 2)
+        return (read - t[at]) / self.h, (t[at + 1] - read) / self.h
 
     def between(self, name: str, parts: int) -> Array:
         """A held demand at equal parts of the steps of a clock that is slower than the log, shape (n, parts)."""

@@ -44,7 +44,7 @@ def through_water(s: Signatures) -> tuple[Array, Array, Array]:
 def _sensors(s: Signatures, out: Columns) -> None:
     """Errors of readings, by the model's answer to a wrong reading."""
     predictor, log = s.predictor, s.predictor.log
-    measured = {q for q, a in zip(("ax", "ay"), log.acceleration, strict=False) if a is not None} | {"u", "v"}
+    measured = {q for q, a in zip(("ax", "ay", "rdot"), log.acceleration, strict=True) if a is not None} | {"u", "v"}
     # Without a heading nothing holds the yaw rate against its gyro, and without a gyro the heading is the only reading.
     measured |= set() if log.psi is None else {"psi"} if log.turned else {"r", "psi"}
     measured |= {"x", "y"} if len(predictor.axes) > 3 else set()

@@ -254,6 +254,8 @@ def _readings(log: Channels, x: Array, nudot: Array, noise: dict[str, Array], dr
         cross = np.stack([-v * r, u * r, 0.0 * r])
         mean = np.diff(x[:3], axis=1) / log.h + 0.5 * (cross[:, 1:] + cross[:, :-1])
         specific = np.concatenate([specific[:, :1], mean], axis=1)
+    for k in np.flatnonzero(log.rates):
+        specific[k] = nudot[k]
     exact = {"u": u, "v": v, "r": r, "ax": specific[0], "ay": specific[1], "rdot": nudot[2], "psi": x[3]}
     off = declared(drawn, exact, slow_shapes(n), earth=log.earth)
     a = tuple(

@@ -100,6 +100,7 @@ def _slow(vehicle: Vehicle, *, earth: bool) -> dict[str, _Slow]:
     if gyro is not None:
         found["r"] = _of(gyro.accuracy, gyro.axis(0)[0])
     of = {"north east" if earth else "u v": sensors.velocity, "psi": sensors.heading, "x y": sensors.position}
+    of["rdot"] = sensors.yaw_acceleration
     return found | {q: _of(s.accuracy) for channels, s in of.items() if s is not None for q in channels.split()}
 
 

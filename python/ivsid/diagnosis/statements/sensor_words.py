@@ -25,6 +25,7 @@ WORDS: Final = {
     "~bias.ax": Words("accelerometer's bias in x", "m/s^2", "surge"),
     "~bias.ay": Words("accelerometer's bias in y", "m/s^2", "sway"),
     "~bias.r": Words("gyro's bias", "rad/s", "yaw"),
+    "~bias.rdot": Words("bias of the yaw acceleration", "rad/s^2", "yaw"),
     "~bias.u": Words("bias of the velocity ahead", "m/s", "surge"),
     "~bias.v": Words("bias of the velocity to starboard", "m/s", "sway"),
     "~bias.north": Words("bias of the velocity north", "m/s", "surge"),

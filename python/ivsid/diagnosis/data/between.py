@@ -112,6 +112,8 @@ class Straddled(Between):
             back: from each of them back to the row before it [steps], shape (readings, n).
             on: from each of them on to the row after it [steps], shape (readings, n).
         """
+        # A row farther away counts as one a step away, with the weight of that: the times of a reading's rows have its own as their mean.
+        back, on = np.clip([back, on], 0.0, 1.0)
         whole = back + on
         before = np.where(whole > 0, on / np.where(whole > 0, whole, 1.0), 1.0)
         times = np.concatenate([places[:, None] - back, places[:, None] + on])

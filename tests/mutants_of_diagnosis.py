@@ -44,9 +44,16 @@ DIAGNOSIS = (
     ),
     python(
         "readings of irregular rows at their wanted times",
-        "diagnosis/data/between.py",
-        "at = np.clip(np.floor((np.arange(n) + times) * count + 0.5)",
-        "at = np.clip(np.floor((np.arange(n) + 0.0 * times) * count + 0.5)",
+        "diagnosis/data/resampling.py",
+        "rows = np.concatenate([t[k], t[k + 1]])",
+        "rows = np.concatenate([read, read])",
+        "test_irregular_clock.py",
+    ),
+    python(
+        "rows that have demands of later ones",
+        "diagnosis/data/resampling.py",
+        'at -= np.searchsorted(sent, start, side="right") > np.searchsorted(sent, rows, side="right")',
+        'at -= np.searchsorted(sent, start, side="right") > sent.size',
         "test_irregular_clock.py",
     ),
     python(

@@ -149,7 +149,8 @@ def test_readings_on_straight_lines_between_irregular_rows(seed, readings):
     read = np.interp(wanted, rows, np.interp(rows, fine, value)).mean(axis=0)
     parts = of_part[2 * count : (n + 2) * count].reshape(1, n, count)
     at = np.searchsorted(rows, wanted + 1e-9, side="right") - 1
-    between = Straddled.of(Between(parts, parts, parts), places, wanted - rows[at], rows[at + 1] - wanted)
+    own = np.clip(np.round(np.concatenate([rows[at], rows[at + 1]]) * count).astype(int), 0, n * count - 1)
+    between = Straddled.of(Between(parts, parts, parts), places, wanted - rows[at], rows[at + 1] - wanted, own)
     # A row farther away than a step counts as one a step away.
     near = (np.maximum(clock - rows[at], rows[at + 1] - clock) <= 1.0).all(axis=0)
     moved = between.moved(parts, parts[:, 0, 0])[0]
@@ -179,3 +180,29 @@ def test_means_over_steps_of_irregular_rows_add_up():
         whole = np.concatenate([[0.0], np.cumsum(rates[np.searchsorted(at, fine)]) * fine[0] * 2])
         expected = np.diff(np.interp([clock[1:] - 0.08, clock[1:]], np.arange(80001) * (2 * fine[0]), whole), axis=0)
         np.testing.assert_allclose(resample("ax", since=parts)[1:], expected[0] / 0.08, atol=0.02)
+
+
+def test_readings_have_the_demands_that_are_in_force_at_their_rows():
+    """Oracle: an accelerometer that reads the last demand that was sent, in rows of their own, reads what the model has there."""
+    log, rng = sailed(70.0, 3, 0.15), np.random.default_rng(5)
+    sent = np.sort(rng.uniform(0.0, log.t[-1], 90))
+    sent[0] = 0.0
+    values = {f"demand_{side}": rng.uniform(-80.0, 80.0, sent.size) for side in ("port", "starboard")}
+    t = np.union1d(log.t, sent)
+    blank = {k: np.full(t.size, np.nan) for k in (*log.columns, "ax", "ay")}
+    for k, x in log.columns.items():
+        if k not in values:
+            blank[k][np.searchsorted(t, log.t)] = x
+    for k, x in values.items():
+        blank[k][np.searchsorted(t, sent)] = x
+    force = values["demand_port"][np.searchsorted(sent, log.t, side="right") - 1]
+    for k in ("ax", "ay"):
+        blank[k][np.searchsorted(t, log.t)] = force
+    vehicle = parse_vehicle(SUDDEN.replace("[ambient]", f"{FELT.format(sampling='instantaneous')}[ambient]"), "c.toml")
+    data = channels(Log("apart.csv", "0" * 64, t, blank), vehicle)
+    assert isinstance(data.between, Straddled)
+    found = data.between.sampled(data.between.demands[0].reshape(1, -1))[0]
+    # A row farther away than a step has the weight of one a step away.
+    near = (np.abs(data.between.times) < 1.0).all(axis=0)
+    assert near.mean() > 0.7
+    np.testing.assert_allclose(found[near], data.acceleration[0][near], atol=1e-9)

@@ -97,13 +97,15 @@ class Straddled(Between):
     Attributes:
         times: from each sample to the rows of its readings, in steps, at most one either way, shape (rows, n).
         weights: of the rows in the sample, shape (rows, n).
+        at: parts, from the first one on, with the demands that are in force at the rows, shape (rows, n).
     """
 
     times: Array | None = None
     weights: Array | None = None
+    at: NDArray[np.int64] | None = None
 
     @classmethod
-    def of(cls, between: Between, places: Array, back: Array, on: Array) -> Self:
+    def of(cls, between: Between, places: Array, back: Array, on: Array, at: NDArray[np.int64]) -> Self:
         """The same demands and angles, with the rows of irregular readings.
 
         Args:
@@ -111,6 +113,7 @@ class Straddled(Between):
             places: of the readings, from their sample [steps], shape (readings,).
             back: from each of them back to the row before it [steps], shape (readings, n).
             on: from each of them on to the row after it [steps], shape (readings, n).
+            at: as of the class.
         """
         # A row farther away counts as one a step away, with the weight of that: the times of a reading's rows have its own as their mean.
         back, on = np.clip([back, on], 0.0, 1.0)
@@ -118,7 +121,8 @@ class Straddled(Between):
         before = np.where(whole > 0, on / np.where(whole > 0, whole, 1.0), 1.0)
         times = np.concatenate([places[:, None] - back, places[:, None] + on])
         weights = np.concatenate([before, 1.0 - before]) / len(places)
-        return cls(between.demands, between.angles, between.rudders, times=np.clip(times, -1.0, 1.0), weights=weights)
+        times = np.clip(times, -1.0, 1.0)
+        return cls(between.demands, between.angles, between.rudders, times=times, weights=weights, at=at)
 
     @property
     def apart(self) -> bool:
@@ -132,11 +136,8 @@ class Straddled(Between):
 
     def sampled(self, x: Array) -> Array:
         """As of ``Between``."""
-        n, count = self.demands.shape[1:]
-        times, weights = self._rows
-        # A demand is in force from its own row on, which begins at the nearest part (``Resampler.between``).
-        at = np.clip(np.floor((np.arange(n) + times) * count + 0.5).astype(int), 0, n * count - 1)
-        first, *others = (w * x[..., k] for w, k in zip(weights, at, strict=True))
+        assert self.at is not None
+        first, *others = (w * x[..., k] for w, k in zip(self._rows[1], self.at, strict=True))
         return np.asarray(sum(others, first))
 
     @cached_property

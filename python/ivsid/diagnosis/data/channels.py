@@ -251,9 +251,9 @@ def _inside_steps(vehicle: Vehicle, resample: Resampler, *, fixed: bool) -> Betw
         # Times between two samples cut the steps of the log in half.
         parts = min(int(np.ceil(h / period - WHOLE)) * (2 - count % 2), MOST_PARTS)
         return _between(vehicle, resample, parts, _read(parts, count))
-    parts = int(np.ceil(h / (PART_ASTRAY if astray else PART) - WHOLE))
-    between = _between(vehicle, resample, min(parts, MOST_PARTS), (0,))
-    return Straddled.of(between, resample.places, *resample.neighbours) if astray else between
+    parts = min(int(np.ceil(h / (PART_ASTRAY if astray else PART) - WHOLE)), MOST_PARTS)
+    between = _between(vehicle, resample, parts, (0,))
+    return Straddled.of(between, resample.places, *resample.neighbours(parts)) if astray else between
 
 
 def _read(parts: int, count: int) -> tuple[int, ...]:

@@ -93,12 +93,26 @@ class Resampler:
         at = (self.log.t - self.clock[0]) * (self.count / self.h) + 0.5 * (self.count - 1)
         return float(np.mean(np.abs(at - np.round(at)) > SAME * self.count)) > STRAY
 
-    @property
-    def neighbours(self) -> tuple[Array, Array]:
-        """Times from each place of readings back to the velocity before it and on to the one after it [steps], shape (count, n) each."""
+    def neighbours(self, parts: int) -> tuple[Array, Array, NDArray[np.int64]]:
+        """Rows with velocities before and after each place of readings.
+
+        Args:
+            parts: of a step.
+
+        Returns:
+            Times back to the row before and on to the row after [steps], shape (count, n) each, and the parts with the demands that are in force at all
+            rows before and then at all rows after, shape (2 count, n).
+        """
         read, t = self.clock + self.places[:, None] * self.h, self.log.t[np.isfinite(self.log.columns["u"])]
-        at = np.clip(np.searchsorted(t, read, side="right") - 1, 0, t.size - 2)
-        return (read - t[at]) / self.h, (t[at + 1] - read) / self.h
+        k = np.clip(np.searchsorted(t, read, side="right") - 1, 0, t.size - 2)
+        rows = np.concatenate([t[k], t[k + 1]])
+        there = [x for name, x in self.log.columns.items() if name.startswith(("demand_", "azimuth_", "rudder_"))]
+        sent = self.log.t[np.isfinite(there).any(axis=0)]
+        at = np.floor((rows - self.clock[0]) / (self.h / parts) + NEAREST).astype(np.int64)
+        # A demand that was sent after a row, and begins at the same part, is not in force there.
+        start = self.clock[0] + (at + NEAREST) * (self.h / parts)
+        at -= np.searchsorted(sent, start, side="right") > np.searchsorted(sent, rows, side="right")
+        return (read - t[k]) / self.h, (t[k + 1] - read) / self.h, np.clip(at, 0, self.clock.size * parts - 1)
 
     def between(self, name: str, parts: int) -> Array:
         """A held demand at equal parts of the steps of a clock that is slower than the log, shape (n, parts)."""

@@ -30,9 +30,9 @@ DIAGNOSIS = (
     ),
     python(
         "rates of velocities as specific forces",
-        "diagnosis/prediction/states.py",
-        "for k in np.flatnonzero(self.log.rates):",
-        "for k in np.flatnonzero((False, False)):",
+        "diagnosis/prediction/filtered_states.py",
+        "if not rates[1]:",
+        "if True:",
         "test_declared_readings.py",
     ),
     python(

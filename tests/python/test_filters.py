@@ -200,22 +200,29 @@ def test_windows_sail_together_as_they_do_alone(predictor, plain):
             assert np.allclose(a, b, rtol=1e-12, atol=1e-12, equal_nan=True)
 
 
-@pytest.mark.parametrize("delay", [0.03, 0.05, 0.13])
-def test_a_late_velocity_is_the_one_that_the_motion_had(delay):
-    """A hull that comes to rest under a held thrust, whose acceleration falls by 4 % a step."""
-    h, k, t = 0.1, 0.4, 0.1 * np.arange(50)
+def resting(t, h):
+    """A hull that comes to rest under a held thrust, whose acceleration falls by 4 % in 0.1 s.
+
+    Returns:
+        Its velocity at any times, and as the product has it: points, accelerations and exact readings at the times t and in the middles of steps h.
+    """
+    k = 0.4
 
     def velocity(t):
         return np.stack([1.0 - 1.2 * np.exp(-k * t), 0.3 * np.exp(-k * t), 0.1 * np.exp(-2 * k * t)])
 
-    def acceleration(t):
-        return np.stack([1.2 * k * np.exp(-k * t), -0.3 * k * np.exp(-k * t), -0.2 * k * np.exp(-2 * k * t)])
-
     at = np.r_[t, t + h / 2]
+    nudot = np.stack([1.2 * k * np.exp(-k * at), -0.3 * k * np.exp(-k * at), -0.2 * k * np.exp(-2 * k * at)])
     points = SimpleNamespace(nu=velocity(at), thrusts=np.zeros((1, at.size)), psi=np.zeros(at.size))
+    return velocity, points, nudot, exact_readings(points, nudot, np.zeros((3, t.size)), 0.0)
+
+
+@pytest.mark.parametrize("delay", [0.03, 0.05, 0.13])
+def test_a_late_velocity_is_the_one_that_the_motion_had(delay):
+    h, t = 0.1, 0.1 * np.arange(50)
+    velocity, points, nudot, exact = resting(t, h)
     late = (Given(EFFECTS["sensor.velocity.delay"], (delay,)),)
-    exact = exact_readings(points, acceleration(at), np.zeros((3, t.size)), 0.0)
-    added = added_readings(late, points, acceleration(at), exact, h)
+    added = added_readings(late, points, nudot, exact, h)
     truth = velocity(t - delay) - velocity(t)
     for name, change in zip("uv", truth, strict=False):
         # The first steps have no past. A constant acceleration over the step would be off by one to two per cent.

@@ -1,15 +1,14 @@
 """Velocities that come some samples late, and are looked at as many samples later."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from ivsid import diagnose
-from ivsid.diagnosis.plant.readings import added_readings, exact_readings, lateness
+from ivsid.diagnosis.plant.readings import added_readings, lateness
 from ivsid.effects import EFFECTS, Given
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
+from test_filters import resting
 from test_irregular_clock import FELT, sailed
 from test_slow_clock import CRAFT
 
@@ -38,17 +37,8 @@ def test_a_delay_of_several_steps_has_its_name_and_its_size(steps):
 
 def test_numbers_that_are_added_to_readings_at_a_later_sample():
     """Oracle: a hull that comes to rest, whose samples have the readings of 0.3 s later: a delay is that less, and other causes act there too."""
-    k, t = 0.4, STEP * np.arange(60)
-
-    def velocity(t):
-        return np.stack([1.0 - 1.2 * np.exp(-k * t), 0.3 * np.exp(-k * t), 0.1 * np.exp(-2 * k * t)])
-
-    def acceleration(t):
-        return np.stack([1.2 * k * np.exp(-k * t), -0.3 * k * np.exp(-k * t), -0.2 * k * np.exp(-2 * k * t)])
-
-    at = np.r_[t, t + STEP / 2]
-    points = SimpleNamespace(nu=velocity(at), thrusts=np.zeros((1, at.size)), psi=np.zeros(at.size))
-    exact = exact_readings(points, acceleration(at), np.zeros((3, t.size)), 0.0)
+    t = STEP * np.arange(60)
+    velocity, points, nudot, exact = resting(t, STEP)
     delay, scale = Given(EFFECTS["sensor.velocity.delay"], (0.37,)), Given(EFFECTS["sensor.velocity.scale"], (0.02,))
     # A filter with a memory of 0.25 s follows one step, and one with a shorter memory the nearest of them.
     asked = [
@@ -57,7 +47,7 @@ def test_numbers_that_are_added_to_readings_at_a_later_sample():
     assert asked == [0, 0, 3, 3, 0, 0, 4, 4]
 
     def added(*given):
-        return added_readings(given, points, acceleration(at), exact, STEP, 3)
+        return added_readings(given, points, nudot, exact, STEP, 3)
 
     def read(given, then):
         out = velocity(t + 0.3 - then)[:2] * (1.02 if scale in given else 1.0)

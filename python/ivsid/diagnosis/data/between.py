@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Self
 
@@ -100,9 +100,9 @@ class Straddled(Between):
         at: parts, from the first one on, with the demands that are in force at the rows, shape (rows, n).
     """
 
-    times: Array | None = None
-    weights: Array | None = None
-    at: NDArray[np.int64] | None = None
+    times: Array = field(kw_only=True)
+    weights: Array = field(kw_only=True)
+    at: NDArray[np.int64] = field(kw_only=True)
 
     @classmethod
     def of(cls, between: Between, places: Array, back: Array, on: Array, at: NDArray[np.int64]) -> Self:
@@ -129,15 +129,9 @@ class Straddled(Between):
         """As of ``Between``."""
         return True
 
-    @cached_property
-    def _rows(self) -> tuple[Array, Array]:
-        assert self.times is not None and self.weights is not None
-        return self.times, self.weights
-
     def sampled(self, x: Array) -> Array:
         """As of ``Between``."""
-        assert self.at is not None
-        first, *others = (w * x[..., k] for w, k in zip(self._rows[1], self.at, strict=True))
+        first, *others = (w * x[..., k] for w, k in zip(self.weights, self.at, strict=True))
         return np.asarray(sum(others, first))
 
     @cached_property
@@ -145,7 +139,7 @@ class Straddled(Between):
         """As of ``Between``, for each sample, shape (n, parts) each."""
         n, count = self.demands.shape[1:]
         part, after, before = np.arange(count), np.zeros((n, count)), np.zeros((n, count))
-        for time, weight in zip(*self._rows, strict=True):
+        for time, weight in zip(self.times, self.weights, strict=True):
             after += weight[:, None] * np.clip(count * time[:, None] - part, 0.0, 1.0) / count
             before -= weight[:, None] * np.clip(part + 1 - count * (1 + time[:, None]), 0.0, 1.0) / count
         return after, before
@@ -161,5 +155,4 @@ class Straddled(Between):
     @cached_property
     def spread(self) -> Array | float:
         """As of ``Between``, for each sample, shape (n,)."""
-        times, weights = self._rows
-        return np.asarray(np.sum(weights * times**2, axis=0))
+        return np.asarray(np.sum(self.weights * self.times**2, axis=0))

@@ -248,14 +248,14 @@ def _readings(log: Channels, x: Array, nudot: Array, noise: dict[str, Array], dr
     n = log.n
     u, v, r = x[:3]
 
-    specific = np.stack([nudot[0] - v * r, nudot[1] + u * r, nudot[2]])
+    # What a specific force has beyond the rate of its velocity; rates that are logged have none of it.
+    cross = np.stack([-v * r, u * r, 0.0 * r])
+    cross[np.flatnonzero(log.rates)] = 0.0
+    specific = nudot[:3] + cross
     if log.averaged:
         # Means over the step before the row: the change of velocity, and Coriolis' part at its middle.
-        cross = np.stack([-v * r, u * r, 0.0 * r])
         mean = np.diff(x[:3], axis=1) / log.h + 0.5 * (cross[:, 1:] + cross[:, :-1])
         specific = np.concatenate([specific[:, :1], mean], axis=1)
-    for k in np.flatnonzero(log.rates):
-        specific[k] = nudot[k]
     exact = {"u": u, "v": v, "r": r, "ax": specific[0], "ay": specific[1], "rdot": nudot[2], "psi": x[3]}
     off = declared(drawn, exact, slow_shapes(n), earth=log.earth)
     a = tuple(

@@ -27,6 +27,7 @@ class FilteredStates:
         nudot: the model's accelerations there, shape (3, 2 n).
         ambient: rdot of the ambient moment that the past lets expect at each sample [rad/s^2], shape (n,); a sensor off the origin reads it.
         inside: accelerations inside the steps, where the middle of a step does not stand for all of it.
+        rates: whether the log has udot and vdot in the place of specific forces.
     """
 
     h: Hypothesis
@@ -34,6 +35,7 @@ class FilteredStates:
     nudot: Array
     ambient: Array | float = 0.0
     inside: InsideSteps | None = None
+    rates: tuple[bool, bool] = (False, False)
 
     @property
     def over_steps(self) -> Array:
@@ -48,8 +50,8 @@ class FilteredStates:
 
     @cached_property
     def specific(self) -> Array:
-        """Specific forces [m/s^2] and rdot [rad/s^2] there, shape (3, 2 n)."""
-        return specific_force(self.points.nu, self.nudot)
+        """Specific forces, or udot and vdot [m/s^2] where the log has them, and rdot [rad/s^2] there, shape (3, 2 n)."""
+        return as_logged(self.points.nu, self.nudot, self.rates)
 
     @cached_property
     def over(self) -> Array:
@@ -111,12 +113,13 @@ def twice(x: Array) -> Array:
     return np.concatenate([x, x], axis=-1)
 
 
-def specific_force(nu: Array, nudot: Array) -> Array:
-    """Specific forces udot - v r, vdot + u r [m/s^2] as an accelerometer at the origin reads them, and rdot [rad/s^2], shape (3, n)."""
-    out = np.empty(nudot.shape)
-    np.subtract(nudot[0], nu[1] * nu[2], out=out[0])
-    np.add(nudot[1], nu[0] * nu[2], out=out[1])
-    out[2] = nudot[2]
+def as_logged(nu: Array, nudot: Array, rates: tuple[bool, bool]) -> Array:
+    """Specific forces udot - v r, vdot + u r [m/s^2] as an accelerometer at the origin reads them, or udot, vdot, and rdot [rad/s^2], shape (3, n)."""
+    out = nudot.copy()
+    if not rates[0]:
+        out[0] -= nu[1] * nu[2]
+    if not rates[1]:
+        out[1] += nu[0] * nu[2]
     return out
 
 

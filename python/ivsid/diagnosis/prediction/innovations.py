@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.plant.physics import Hypothesis, Mass, acceleration, added_force, changed
 from ivsid.diagnosis.prediction.axes import Ambient, motion_axes
-from ivsid.diagnosis.prediction.filtered_states import FilteredStates, over_ground
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates, as_logged, over_ground
 from ivsid.diagnosis.prediction.states import StateFilter
 from ivsid.effects import Reading, Response, Thrust, of_kind
 
@@ -131,7 +131,7 @@ class Predictor(StateFilter):
             there = self.dynamics(states.h, mass).acceleration(shifted)
             believed = there - states.nudot
             process = process - believed
-            specific = specific - (self.felt(shifted.nu, there) - self.felt(states.points.nu, states.nudot))
+            specific = specific - (as_logged(shifted.nu, there, self.log.rates) - states.specific)
             rotated = states.turn if turn is None else (shifted.heading.cos()[n:], shifted.heading.sin()[n:])
             track = -(over_ground(shifted, rotated) - states.over)
         if np.isscalar(process):

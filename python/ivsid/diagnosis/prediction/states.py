@@ -16,7 +16,7 @@ from ivsid.diagnosis.plant.physics import Dynamics, Hypothesis, Mass, accelerati
 from ivsid.diagnosis.plant.points import Points
 from ivsid.diagnosis.plant.readings import added_readings, exact_readings, lateness
 from ivsid.diagnosis.prediction.axes import AXES, Ambient, labels_of, motion_axes, track_axes
-from ivsid.diagnosis.prediction.filtered_states import Carried, FilteredStates, specific_force, twice
+from ivsid.diagnosis.prediction.filtered_states import Carried, FilteredStates, twice
 from ivsid.diagnosis.prediction.inside_steps import InsideSteps, Places, inside
 from ivsid.diagnosis.prediction.kalman import Axis, Filters, apart
 from ivsid.diagnosis.prediction.passes import handed_on, passes
@@ -202,11 +202,11 @@ class StateFilter:
         )
         nudot = acceleration(self.vehicle, h, points, self.constant_mass(h))
         if last is None or before is None or self.fine is False:
-            return FilteredStates(h, points, nudot)
+            return FilteredStates(h, points, nudot, rates=log.rates)
         within = self._inside(h, points, carried)
         if self.fine is None:
             self.fine = self._coarse(within, nudot[:, n:])
-        return FilteredStates(h, points, nudot, inside=within if self.fine else None)
+        return FilteredStates(h, points, nudot, inside=within if self.fine else None, rates=log.rates)
 
     def _coarse(self, within: InsideSteps, middle: Array) -> bool:
         """Whether the middles of the steps are wrong by more than a share of what the sensors tell of the velocities or of the heading."""
@@ -298,7 +298,7 @@ class StateFilter:
         """Prediction errors of readings at these states, shape (rows, n)."""
         log, n = self.log, self.log.n
         inputs: dict[tuple[int, str], Array] = {}
-        specific, over_steps = self.felt(states.points.nu, states.nudot), states.over_steps
+        specific, over_steps = states.specific, states.over_steps
         for k in range(3):
             here = readings[k]
             if k == 2 and self.rate is not None:
@@ -326,13 +326,6 @@ class StateFilter:
     def errors(self, states: FilteredStates) -> Array:
         """Prediction errors of a hypothesis at its states, shape (rows, n)."""
         return self._errors(self.readings(states), states)
-
-    def felt(self, nu: Array, nudot: Array) -> Array:
-        """Accelerations [m/s^2, rad/s^2] as they are logged: specific forces, or rates of the velocities in the hull's axes; shape of both."""
-        found = specific_force(nu, nudot)
-        for k in np.flatnonzero(self.log.rates):
-            found[k] = nudot[k]
-        return found
 
     def at_samples(self, x: Array) -> Array:
         """An accelerometer's view of a quantity at samples and over steps, shape (..., 2 n) to (..., n).

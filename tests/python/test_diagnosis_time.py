@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-# Fits by hand that a diagnosis may take as long as. At a load of 5 on two cores the ratios were 3.1, 6.3 and 10.6 (docs/measurements.md); a third
+# Fits by hand that a diagnosis may take as long as. At a load of 5 on two cores the ratios were 3.1, 6.3 and 10.6 (docs/diagnosis_measured.md); a third
 # more is granted to other work. The aims of 2, 5 and 15 s on idle cores, where a fit takes about 1.2 s, are ratios of 1.7, 4.2 and 12.5.
 MOST = {"nothing hidden": 4.2, "one effect": 8.4, "doubt": 12.5}
 

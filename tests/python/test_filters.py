@@ -184,7 +184,7 @@ def test_thrusts_that_are_remembered_are_those_that_are_asked_for(predictor, pla
         again = fresh.propulsion.thrusts(h.given, [(), ()])
         assert np.array_equal(thrusts, np.concatenate([again.now, again.mean], axis=1))
         turn = np.cos(predictor.driving.turned), np.sin(predictor.driving.turned)
-        assert np.array_equal(bollard, bollard_force(predictor.vehicle, thrusts, turn, predictor.driving.sent))
+        assert np.array_equal(bollard, bollard_force(predictor.vehicle, thrusts, turn))
     points = predictor.start(lagged).points
     relative = tuple(points.nu)
     slow = thruster_force(predictor.vehicle, lagged.given, points.under(points.thrusts), relative)

@@ -102,5 +102,5 @@ def test_a_log_with_a_gyro_keeps_it():
 def test_a_pose_whose_velocities_are_noise_is_refused():
     vehicle = vehicle_of()
     train, test = (without(log, "u", "v", "r", "ax", "ay") for log in logs_of(vehicle))
-    with pytest.raises(IvsidError, match="has a pose alone, whose noise is .* log u, v and r"):
+    with pytest.raises(IvsidError, match="no velocities but those of its pose, whose noise is .* log u, v and r"):
         diagnose(vehicle, train, test)

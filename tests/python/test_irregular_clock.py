@@ -25,7 +25,7 @@ sampling = "{sampling}"
 """
 
 
-def sailed(seconds, seed, astray, usual=0.1, feels=None):
+def sailed(seconds, seed, astray, usual=0.1, feels=None, sent=None):
     """The craft by hand: rows a usual step apart, as a rule, and demands that change at rows and hold until the next.
 
     Args:
@@ -34,12 +34,15 @@ def sailed(seconds, seed, astray, usual=0.1, feels=None):
         astray: largest share by which a step is longer or shorter than usual.
         usual: step [s].
         feels: whether an accelerometer is read at the rows (False) or gives means over the step before them (True), or there is none.
+        sent: both demands at a time, in place of new ones every 0.8 s.
     """
     rng = np.random.default_rng(seed)
     t = np.cumsum(usual * (1 + astray * rng.uniform(-1, 1, round(seconds / usual))))
     state, out, demand, felt, mean = np.zeros(4), [], np.zeros(2), [], np.zeros(2)
     for k, step in enumerate(np.diff(t, append=t[-1] + usual)):
-        if k % round(0.8 / usual) == 0:
+        if sent is not None:
+            demand = sent(t[k])
+        elif k % round(0.8 / usual) == 0:
             demand = rng.uniform(10, 70) + rng.choice([-1.0, 1.0]) * rng.uniform(5, 16) * np.array([1.0, -1.0])
         out.append([*state, *demand])
         X, N = 0.2 * demand.sum(), 0.2 * 0.3 * (demand[0] - demand[1])
@@ -150,7 +153,8 @@ def test_readings_on_straight_lines_between_irregular_rows(seed, readings):
     parts = of_part[2 * count : (n + 2) * count].reshape(1, n, count)
     at = np.searchsorted(rows, wanted + 1e-9, side="right") - 1
     own = np.clip(np.round(np.concatenate([rows[at], rows[at + 1]]) * count).astype(int), 0, n * count - 1)
-    between = Straddled.of(Between(parts, parts, parts), places, wanted - rows[at], rows[at + 1] - wanted, own)
+    none = np.zeros(wanted.shape, dtype=bool)
+    between = Straddled.of(Between(parts, parts, parts), places, wanted - rows[at], rows[at + 1] - wanted, own, none)
     # A row farther away than a step counts as one a step away.
     near = (np.maximum(clock - rows[at], rows[at + 1] - clock) <= 1.0).all(axis=0)
     moved = between.moved(parts, parts[:, 0, 0])[0]

@@ -370,7 +370,7 @@ def test_null_logs_beside_a_cause_beyond_doubt_follow_the_model_with_it(zigzags,
 
 
 def test_null_logs_of_a_vehicle_without_thrusters_follow_its_known_forces():
-    """Forces that a towing tank measures take the place of thrusts, and no demand is sent."""
+    """Forces that a towing tank measures take the place of thrusts."""
     vehicle, log = drawn(duration=90.0)
     curves = [ThrustCurve(t) for t in vehicle.thrusters]
     port, starboard = (c.value(log.columns[f"demand_{t.name}"]) for c, t in zip(curves, vehicle.thrusters, strict=True))
@@ -383,6 +383,9 @@ def test_null_logs_of_a_vehicle_without_thrusters_follow_its_known_forces():
     (made,) = null_logs(programme, 1, [0])
     assert made is not None
     one, true = made
-    assert one.demands.shape == (0, one.n) and true.given == fit.h.given
+    assert true.given == fit.h.given
+    # Each of the three stands beside three parts of its error.
+    np.testing.assert_allclose(one.demands[0], programme.log.demands[0], atol=0.5)
+    assert one.demands.shape == (9, one.n) and np.ptp(one.demands[0]) > 10
     # The motion is the log's own but for its noise and its ambient force.
     assert np.corrcoef(one.nu[0], programme.log.nu[0])[0, 1] > 0.95

@@ -115,7 +115,7 @@ def diagnose(
         selection = _named(fit, scored, confirmation.test, progress)
     # Most findings stand, so their model is tried while they are examined, and the other log is asked of its water.
     trial = Trial(other, selection, seed, tried, nothing)
-    shoaling = Apart(partial(change, vehicle, selection.last, other))
+    shoaling = Apart(partial(change, selection.last, other))
     trial.look()
     before, motion = judging.result()
     rest, structure = _left(selection, before, test_of.visible, looks)

@@ -2,6 +2,7 @@
 
 - ``vehicle``: the whole file: hull, ambient force, model, and the other parts.
 - ``thrusters``, ``rudder``: thrusters with their thrust curves, and rudders behind them.
+- ``known_force``: forces of a log as thrusters that follow them.
 - ``voith_schneider``: a Voith-Schneider unit as two thrusters.
 - ``sensors``: bounds of readings, and limits of the motion.
 - ``mount``: position and orientation of a sensor.
@@ -15,6 +16,7 @@ readings into intervals, ``effects`` holds the equations of motion.
 
 from ivsid.files.section import Finite, NonNegative, Positive
 from ivsid.vehicle.given import GivenVehicle, vehicle_of
+from ivsid.vehicle.known_force import KnownForce, with_known_forces
 from ivsid.vehicle.reading import validated
 from ivsid.vehicle.rudder import Rudder
 from ivsid.vehicle.sensors import AccelerationSensor, InertialSensor, Limits, Sensors, VelocitySensor
@@ -26,6 +28,7 @@ __all__ = [
     "Finite",
     "GivenVehicle",
     "InertialSensor",
+    "KnownForce",
     "Limits",
     "NonNegative",
     "Positive",
@@ -38,4 +41,5 @@ __all__ = [
     "read_vehicle",
     "validated",
     "vehicle_of",
+    "with_known_forces",
 ]

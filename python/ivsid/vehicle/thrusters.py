@@ -109,6 +109,16 @@ class Thruster(Section):
     steering_rate: Positive | None = None
     rudder: Rudder | None = None
 
+    @property
+    def column(self) -> str:
+        """The name of its demand in a log."""
+        return f"demand_{self.name}"
+
+    @property
+    def words(self) -> str:
+        """What it gives, in words."""
+        return f"the thrust of {self.name}"
+
     @model_validator(mode="after")
     def _one_curve(self) -> Self:
         given = [k for k in ("table", "polynomial", "gain", "quadratic") if getattr(self, k) is not None]

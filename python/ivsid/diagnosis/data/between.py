@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Self
+from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+# Farthest distance of a sample from its time on the clock [steps]: a single lost sample is interpolated, a longer gap is not.
+# Source: geometry: the neighbours of a single lost sample are one step away, and their stamps are rounded
+FARTHEST: Final = 1.05
 
 
 @dataclass(frozen=True)
@@ -98,14 +101,18 @@ class Straddled(Between):
         times: from each sample to the rows of its readings, in steps, at most one either way, shape (rows, n).
         weights: of the rows in the sample, shape (rows, n).
         at: parts, from the first one on, with the demands that are in force at the rows, shape (rows, n).
+        far: samples with a reading over lost rows that lies between rows farther away than a step, shape (n,).
     """
 
     times: Array = field(kw_only=True)
     weights: Array = field(kw_only=True)
     at: NDArray[np.int64] = field(kw_only=True)
+    far: NDArray[np.bool_] = field(kw_only=True)
 
     @classmethod
-    def of(cls, between: Between, places: Array, back: Array, on: Array, at: NDArray[np.int64]) -> Self:
+    def of(
+        cls, between: Between, places: Array, back: Array, on: Array, at: NDArray[np.int64], lost: NDArray[np.bool_]
+    ) -> Self:
         """The same demands and angles, with the rows of irregular readings.
 
         Args:
@@ -114,7 +121,10 @@ class Straddled(Between):
             back: from each of them back to the row before it [steps], shape (readings, n).
             on: from each of them on to the row after it [steps], shape (readings, n).
             at: as of the class.
+            lost: whether these rows have lost ones between them, shape (readings, n).
         """
+        away = np.maximum(np.abs(places[:, None] - back), np.abs(places[:, None] + on))
+        far = np.any(lost & (away > FARTHEST), axis=0)
         # A row farther away counts as one a step away, with the weight of that: the times of a reading's rows have its own as their mean.
         back, on = np.clip([back, on], 0.0, 1.0)
         whole = back + on
@@ -122,7 +132,7 @@ class Straddled(Between):
         times = np.concatenate([places[:, None] - back, places[:, None] + on])
         weights = np.concatenate([before, 1.0 - before]) / len(places)
         times = np.clip(times, -1.0, 1.0)
-        return cls(between.demands, between.angles, between.rudders, times=times, weights=weights, at=at)
+        return cls(between.demands, between.angles, between.rudders, times=times, weights=weights, at=at, far=far)
 
     @property
     def apart(self) -> bool:

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.data.between import Between, Straddled
 from ivsid.diagnosis.data.clock import RARE, check_usable, first_reading, paced
 from ivsid.diagnosis.data.from_pose import differenced
+from ivsid.diagnosis.data.lost_rows import LostDemands
 from ivsid.diagnosis.data.resampling import Resampler
 from ivsid.diagnosis.data.sensor_noise import scale_step, sensor_noise
 from ivsid.log import Log
 from ivsid.sensors.lever_arms import at_origin
 from ivsid.sensors.pose import with_velocities
-from ivsid.vehicle import Thruster, Vehicle
+from ivsid.vehicle import KnownForce, Thruster, Vehicle, with_known_forces
 
 Array = NDArray[np.float64]
 # Most equal parts of a step in which demands are looked up.
@@ -63,9 +64,8 @@ class Channels:
         demands: shape (thrusters, n).
         angles: of azimuth thrusters [rad], shape (thrusters, n).
         rudders: angles of the rudders behind thrusters [rad], shape (thrusters, n).
-        held: whether demands, angles and forces hold from a sample to the next (zero-order hold); else they change on straight lines.
+        held: whether demands and angles hold from a sample to the next (zero-order hold); else they change on straight lines.
         between: demands and angles inside the steps, if the clock is slower than the log, or None.
-        force: known X, Y [N], N [N m] beside the thrusters, shape (3, n).
         wind: the air's velocity north and east [m/s], shape (2, n), or None.
         voltage: as a share of its first value, or None.
         depth: [m], or None.
@@ -77,6 +77,7 @@ class Channels:
         turned: whether the heading alone tells the yaw rate, which is no reading then.
         earth: whether u and v follow from velocities in earth axes.
         rates: of both accelerations, whether they are udot and vdot.
+        lost: losses of rows, over which demands may have jumped, or None.
     """
 
     name: str
@@ -92,7 +93,6 @@ class Channels:
     rudders: Array
     held: bool
     between: Between | None
-    force: Array
     wind: Array | None
     voltage: Array | None
     depth: Array | None
@@ -104,6 +104,7 @@ class Channels:
     turned: bool = False
     earth: bool = False
     rates: tuple[bool, bool] = (False, False)
+    lost: LostDemands | None = None
 
     @property
     def n(self) -> int:
@@ -150,6 +151,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     Raises:
         IvsidError: the log lacks velocities or demands, is shorter than a minute, or turns faster than its clock can follow.
     """
+    vehicle = with_known_forces(vehicle)
     known = len(log.notes)
     log, _ = with_velocities(differenced(log), vehicle.sensors)
     check_usable(log)
@@ -159,7 +161,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     # Only a force that keeps its direction is linear in its thrust, so that the mean of one gives that of the other.
     fixed = all(t.steering == "fixed" and t.rudder is None for t in vehicle.thrusters)
     made = log.notes[known:]
-    log, h, count, notes = paced(log, inside=held and fixed and bool(vehicle.thrusters))
+    log, h, count, notes = paced(log, inside=held and fixed)
     # The first time has as many of its step's readings before it as after it; velocities that set the clock are read at its times.
     start = log.t[0] + 0.5 * (count - 1) * (h / count) if count > 1 else first_reading(log)
     clock = np.arange(int(np.floor((log.t[-1] - start) / h + WHOLE)) + 1) * h + start
@@ -167,7 +169,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     nu = np.stack([resample(n) for n in ("u", "v", "r")])
     sensor = vehicle.sensors.acceleration
     averaged = sensor is not None and sensor.sampling == "averaged"
-    between = _inside_steps(vehicle, resample, fixed=fixed) if held and vehicle.thrusters else None
+    between = _inside_steps(vehicle, resample, fixed=fixed) if held else None
     since = None if not averaged else 0 if between is None else between.demands.shape[2]
     ax, ay, rdot = (resample.optional(n, since=since) for n in ("ax", "ay", "rdot"))
     rates = tuple(a is None and name in log.columns for a, name in ((ax, "udot"), (ay, "vdot")))
@@ -176,11 +178,6 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     psi = resample("psi", unwrap=True) if "psi" in log.columns else None
     place = np.stack([resample("x"), resample("y")]) if {"x", "y"} <= set(log.columns) else None
     demands, angles, rudders = _sent(vehicle, resample, held=held)
-    force = np.zeros((3, clock.size))
-    if not vehicle.thrusters:
-        for k, name in enumerate(("force_X", "force_Y", "moment_N")):
-            log.column(name, "where the vehicle file has no thrusters")
-            force[k] = resample(name, sent=True, held=held)
     wind = None
     if {"wind_speed", "wind_direction"} <= set(log.columns):
         speed, direction = resample("wind_speed"), resample("wind_direction", unwrap=True)
@@ -202,7 +199,6 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         rudders,
         held,
         between,
-        force,
         wind,
         None if voltage is None else voltage / voltage[0],
         resample.optional("depth"),
@@ -213,7 +209,14 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         turned="r" in log.derived,
         earth=log.derived.get("u", ("",))[0] == "velocity_north",
         rates=(rates[0], rates[1]),
+        lost=resample.lost.demands(_columns(vehicle, log), clock),
     )
+
+
+def _columns(vehicle: Vehicle, log: Log) -> list[list[str]]:
+    """Names of the demands of each thruster."""
+    each = [(t.column, *(f"{kind}_{t.name}" for kind in ("azimuth", "rudder"))) for t in vehicle.thrusters]
+    return [[name for name in names if name in log.columns] for names in each]
 
 
 def _sent(vehicle: Vehicle, resample: Resampler, *, held: bool) -> tuple[Array, Array, Array]:
@@ -222,8 +225,11 @@ def _sent(vehicle: Vehicle, resample: Resampler, *, held: bool) -> tuple[Array, 
     demands = np.zeros((len(vehicle.thrusters), resample.clock.size))
     angles, rudders = np.zeros_like(demands), np.zeros_like(demands)
     for k, thruster in enumerate(vehicle.thrusters):
-        log.column(f"demand_{thruster.name}", f"for thruster {thruster.name}")
-        demands[k] = resample(f"demand_{thruster.name}", sent=True, held=held)
+        known = isinstance(thruster, KnownForce)
+        log.column(
+            thruster.column, "where the vehicle file has no thrusters" if known else f"for thruster {thruster.name}"
+        )
+        demands[k] = resample(thruster.column, sent=True, held=held)
         angles[k] = thruster.azimuth
         if thruster.steering == "azimuth":
             log.column(f"azimuth_{thruster.name}", f"for the direction of thruster {thruster.name}")
@@ -263,7 +269,7 @@ def _read(parts: int, count: int) -> tuple[int, ...]:
 
 def _between(vehicle: Vehicle, resample: Resampler, parts: int, read: tuple[int, ...]) -> Between:
     """Demands and angles at equal parts of the steps."""
-    demands = np.stack([resample.between(f"demand_{t.name}", parts) for t in vehicle.thrusters])
+    demands = np.stack([resample.between(t.column, parts) for t in vehicle.thrusters])
     angles, rudders = np.zeros_like(demands), np.zeros_like(demands)
     for k, thruster in enumerate(vehicle.thrusters):
         angles[k] = thruster.azimuth

@@ -45,20 +45,20 @@ NOISY: Final = 0.01
 
 
 def differenced(log: Log) -> Log:
-    """The log with u, v [m/s] and r [rad/s] from its pose, where it lacks all of them, or with r where it lacks that alone.
+    """The log with u, v [m/s] and r [rad/s] from its pose, where it lacks them, or with r where it lacks that alone.
 
     With u and v the position leaves the log: the velocities hold all that it says. Another log comes back as it is.
 
     Args:
-        log: with psi [rad], and x, y [m] if it lacks all velocities.
+        log: with psi [rad], and x, y [m] if it lacks velocities.
 
     Raises:
         IvsidError: velocities of a pose alone would be mostly noise.
     """
-    if "psi" not in log.columns or "r" in log.columns:
+    if "psi" not in log.columns:
         return log
     if {"u", "v"} <= set(log.columns):
-        return _turning(log)
+        return log if "r" in log.columns else _turning(log)
     if set(POSE) - set(log.columns) or {"u", "v"} & set(log.columns):
         return log
     h = STEP
@@ -76,7 +76,7 @@ def differenced(log: Log) -> Log:
     share = _share(made)
     if share > DROWNED:
         raise IvsidError(
-            f"{log.name} has a pose alone, whose noise is {100 * share:.0f} % of the variance of the velocities that it gives, and a diagnosis follows "
+            f"{log.name} has no velocities but those of its pose, whose noise is {100 * share:.0f} % of the variance of the velocities that it gives, and a diagnosis follows "
             f"{100 * DROWNED:.0f} %; log u, v and r, or a pose with less noise"
         )
     # The other channels keep their own times, and the velocities get rows of their own.
@@ -85,7 +85,7 @@ def differenced(log: Log) -> Log:
     for name, values in log.columns.items():
         if name not in POSE:
             columns[name] = _spread(every, log.t, values)
-    columns |= {name: _spread(every, at, values) for name, values in made.items()}
+    columns |= {name: _spread(every, at, values) for name, values in made.items() if name not in columns}
     note = f"velocities are differences of the pose over {h:.3g} s, each at the middle of its step"
     return replace(log, t=every, columns=columns, notes=(*log.notes, note))
 

@@ -8,18 +8,20 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.data.between import FARTHEST
+from ivsid.diagnosis.data.lost_rows import SAME, LostRows
 from ivsid.log import Log
 
 Array = NDArray[np.float64]
-# Farthest distance of a sample from its time on the clock [steps]: a single lost sample is interpolated, a longer gap is not.
-# Source: geometry: the neighbours of a single lost sample are one step away, and their stamps are rounded
-FARTHEST: Final = 1.05
-# Times closer than this are the same [steps].
-# Source: geometry: stamps rounded to a millisecond are off by at most 0.0125 of the shortest step, 1/25 s
-SAME: Final = 0.02
+# Periods between two rows from which on rows between them are lost, however rows stray.
+# Source: geometry: halfway to the distance over two lost rows
+APART: Final = 2.5
 # Share of a part by which a demand may come after its start and count as one of it, where rows stand off the clock.
 # Source: geometry: halfway to the next part
 NEAREST: Final = 0.5
+# Beginnings of the names of columns that are sent, and stay in force.
+# Source: definition: docs/guide.md, "Columns of a log"
+SENT: Final = ("demand_", "azimuth_", "rudder_", "force_", "moment_")
 # Share of the rows off the clock from which on held demands are followed part by part: one step would take them for as much as a step late.
 # Source: definition: one in a hundred, as where a clock is uniform but for some rows
 STRAY: Final = 0.01
@@ -33,11 +35,13 @@ class Resampler:
         clock: times of the uniform clock [s], shape (n,).
         h: its step [s].
         count: readings that are averaged over a step.
+        lost: rows that the log has lost.
         good: samples at which every channel asked for so far was measured, shape (n,).
     """
 
     def __init__(self, log: Log, clock: Array, h: float, count: int = 1) -> None:
         self.log, self.clock, self.h, self.count = log, clock, h, count
+        self.lost = LostRows(log)
         self.good = np.ones(clock.size, dtype=bool)
 
     def __call__(
@@ -53,11 +57,12 @@ class Resampler:
             since: the mean of a reading over the step before each time instead: one that is a mean over the step before its row. Irregular rows count
                 from the nearest of so many parts of a step on, as their demands do; from their own times on if it is 0.
         """
-        values = self.log.columns[name]
-        there = np.isfinite(values)
-        t, x = self.log.t[there], values[there]
-        if unwrap:
-            x = np.unwrap(x)
+        if sent:
+            t, x = self.lost.filled(name, unwrap=unwrap)
+        else:
+            there = np.isfinite(self.log.columns[name])
+            t, x = self.log.t[there], self.log.columns[name][there]
+            x = np.unwrap(x) if unwrap else x
         at = np.clip(np.searchsorted(t, self.clock + SAME * self.h, side="right") - 1, 0, t.size - 1)
         if held:
             found: Array = x[at]
@@ -89,11 +94,12 @@ class Resampler:
 
     @cached_property
     def irregular(self) -> bool:
-        """Whether rows stand off the times at which the clock has its readings."""
+        """Whether rows stand off the times at which the clock has its readings, or readings lie between rows since their own were lost."""
         at = (self.log.t - self.clock[0]) * (self.count / self.h) + 0.5 * (self.count - 1)
-        return float(np.mean(np.abs(at - np.round(at)) > SAME * self.count)) > STRAY
+        off = np.count_nonzero(np.abs(at - np.round(at)) > SAME * self.count)
+        return bool((off + self.lost.t.size) / at.size > STRAY)
 
-    def neighbours(self, parts: int) -> tuple[Array, Array, NDArray[np.int64]]:
+    def neighbours(self, parts: int) -> tuple[Array, Array, NDArray[np.int64], NDArray[np.bool_]]:
         """Rows with velocities before and after each place of readings.
 
         Args:
@@ -101,23 +107,23 @@ class Resampler:
 
         Returns:
             Times back to the row before and on to the row after [steps], shape (count, n) each, and the parts with the demands that are in force at all
-            rows before and then at all rows after, shape (2 count, n).
+            rows before and then at all rows after, shape (2 count, n), and whether rows between both are lost, shape (count, n).
         """
         read, t = self.clock + self.places[:, None] * self.h, self.log.t[np.isfinite(self.log.columns["u"])]
         k = np.clip(np.searchsorted(t, read, side="right") - 1, 0, t.size - 2)
         rows = np.concatenate([t[k], t[k + 1]])
-        there = [x for name, x in self.log.columns.items() if name.startswith(("demand_", "azimuth_", "rudder_"))]
+        there = [x for name, x in self.log.columns.items() if name.startswith(SENT)]
         sent = self.log.t[np.isfinite(there).any(axis=0)]
         at = np.floor((rows - self.clock[0]) / (self.h / parts) + NEAREST).astype(np.int64)
         # A demand that was sent after a row, and begins at the same part, is not in force there.
         start = self.clock[0] + (at + NEAREST) * (self.h / parts)
         at -= np.searchsorted(sent, start, side="right") > np.searchsorted(sent, rows, side="right")
-        return (read - t[k]) / self.h, (t[k + 1] - read) / self.h, np.clip(at, 0, self.clock.size * parts - 1)
+        lost = t[k + 1] - t[k] > APART * self.log.period
+        return (read - t[k]) / self.h, (t[k + 1] - read) / self.h, np.clip(at, 0, self.clock.size * parts - 1), lost
 
     def between(self, name: str, parts: int) -> Array:
         """A held demand at equal parts of the steps of a clock that is slower than the log, shape (n, parts)."""
-        there = np.isfinite(self.log.columns[name])
-        t, x = self.log.t[there], self.log.columns[name][there]
+        t, x = self.lost.filled(name)
         clock = self.clock[:, None] + np.arange(parts) * (self.h / parts)
         # A row off the clock begins at the nearest part: at the next one, demands would act late as a rule.
         near = NEAREST if self.irregular else SAME

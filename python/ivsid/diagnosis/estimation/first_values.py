@@ -55,7 +55,7 @@ def first_values(vehicle: Vehicle, log: Channels, terms: Sequence[Term], claimed
     rate = np.gradient(smooth, log.h, axis=1)
     thrusts = Propulsion(vehicle, log).thrusts()
     zero = np.zeros(log.n)
-    points = Points(smooth, zero, np.zeros((2, log.n)), log.t, thrusts.mean, log.angles, log.force, rudders=log.rudders)
+    points = Points(smooth, zero, np.zeros((2, log.n)), log.t, thrusts.mean, log.angles, rudders=log.rudders)
     force = thruster_force(vehicle, (), points, (smooth[0], smooth[1], smooth[2]))
     north, east = (None, None) if log.place is None else log.place
     here = None if log.psi is None else Place(log.psi, north, east, log.t)

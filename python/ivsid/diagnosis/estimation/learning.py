@@ -25,6 +25,7 @@ from ivsid.diagnosis.estimation.noise import (
     settled_after,
     usable_rows,
 )
+from ivsid.diagnosis.estimation.parting import parted
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.roughness import roughness
@@ -38,7 +39,7 @@ from ivsid.diagnosis.prediction.innovations import Predictor, replaced
 from ivsid.effects import terms_of
 from ivsid.effects.inertia import INERTIA_YAW
 from ivsid.errors import IvsidError
-from ivsid.vehicle import Vehicle
+from ivsid.vehicle import Vehicle, with_known_forces
 
 Array = NDArray[np.float64]
 # Least time that counts, between gaps and the settling of the filters [s].
@@ -92,10 +93,13 @@ def learn(
         # The ambient force alone is learnt before the last round, from slopes over seconds: the whitening takes out what a search would find.
         left = remaining(search(every) if last else every)
         if last:
-            rougher, alone = (tuple(x.tolist()) for x in roughness(predictor, left, good, left_out, states))
+            rough, bare = roughness(predictor, left, good, left_out, states)
+            rougher, alone = tuple(rough.tolist()), tuple(tuple(x) for x in bare.tolist())
             white = whiten(predictor, left, good, left_out)
             apart = scattered(predictor, left, good, left_out)
-            return replace(noise, whitening=white, rougher=rougher, alone=alone, scatter=apart), states
+            return replace(
+                noise, whitening=white, rougher=rougher, alone=alone, scatter=apart, parted=parted(predictor, states)
+            ), states
         predictor = predictor.adopt(ambient_of(predictor, left, good, states.h.values))
         predictor = quick_enough(predictor, predictor.slopes(states))
         states = predictor.settle(states)
@@ -128,6 +132,7 @@ def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     Raises:
         IvsidError: the log has too little between its gaps, or no numbers of the model follow it at all.
     """
+    vehicle = with_known_forces(vehicle)
     try:
         with np.errstate(over="ignore", invalid="ignore"):
             fit = _plain(vehicle, log, search)

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from ivsid.diagnosis.estimation.whitening import Whitening
+from ivsid.diagnosis.data.between import Straddled
+from ivsid.diagnosis.estimation.whitening import Whitening, lags_of
+from ivsid.diagnosis.plant.lost_demands import lost_impulses
 from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
@@ -29,6 +31,9 @@ FORGOTTEN: Final = 5.0
 # Time constants of a thruster after which it runs as it is told: a log may begin with thrusters at rest or in steady motion, and no reading says which.
 # Source: geometry: exp(-5) of a thrust is left, less than its accuracy
 RUN_UP: Final = 5.0
+# Deviations of a filtered velocity by which a jump of a demand in a lost row may move it before the samples after it do not count.
+# Source: theorem: a state that is off by its own deviation adds one to chi-squared at most
+UNSEEN: Final = 1.0
 # Half the time over which slopes of the velocity are taken [s].
 # Source: measured: make constants
 HALF: Final = 0.5
@@ -113,6 +118,7 @@ class Noise:
         rougher: ambient acceleration at the least over the declared one and that of thrust errors, by axis.
         alone: the same over the declared one alone.
         scatter: of prediction errors at the least over the stated accuracy, by channel.
+        parted: the farthest that readings part which follow from one another, over what their stated accuracies allow, by channels.
     """
 
     predictor: Predictor
@@ -120,8 +126,9 @@ class Noise:
     good: NDArray[np.bool_]
     left_out: frozenset[int] = frozenset()
     rougher: tuple[float, ...] = (0.0, 0.0, 0.0)
-    alone: tuple[float, ...] = (0.0, 0.0, 0.0)
+    alone: tuple[tuple[float, ...], ...] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     scatter: Mapping[str, float] = field(default_factory=dict)
+    parted: Mapping[str, float] = field(default_factory=dict)
 
 
 def declared_ambient(vehicle: Vehicle, masses: Mapping[str, float] | None = None) -> Ambient:
@@ -300,20 +307,47 @@ def axes_left_out(predictor: Predictor) -> frozenset[int]:
 def settled_after(predictor: Predictor) -> float:
     """Time after the start of a log [s] in which thrusters run up and the filters forget how it began."""
     memory = max(axis.memory for axis in predictor.axes[:3])
-    lag = max((t.time_constant or 0.0 for t in predictor.vehicle.thrusters), default=0.0)
-    return max(SETTLING, FORGOTTEN * memory) + RUN_UP * lag
+    return max(SETTLING, FORGOTTEN * memory) + RUN_UP * _lag(predictor.vehicle)
 
 
 def usable_rows(predictor: Predictor) -> NDArray[np.bool_]:
-    """Samples whose errors count, shape (n,): neither in a gap, nor while the filter settles after the start or a gap."""
+    """Samples whose errors count, shape (n,): neither in a gap, nor while the filter settles after the start, a gap or a jump in a lost row."""
     good, h = predictor.log.good.copy(), predictor.log.h
     settle = round(SETTLING / h)
     reach = np.convolve((~good).astype(float), np.ones(settle))[: good.size] > 0
+    reach |= _unseen(predictor)
     reach[: round(settled_after(predictor) / h)] = True
     if predictor.rate is not None:
         # A yaw rate that is made of later readings as well settles at both ends.
         reach[good.size - settle :] = True
     return ~reach
+
+
+def _unseen(predictor: Predictor) -> NDArray[np.bool_]:
+    """Samples that a filter has not forgotten a jump before which a lost row may hide, shape (n,)."""
+    log = predictor.log
+    out = np.zeros(log.n, dtype=bool)
+    if log.lost is None:
+        return out
+    if isinstance(log.between, Straddled):
+        # A filter follows a reading that lies on a straight line over what nobody knows.
+        kept = FORGOTTEN * max(axis.memory for axis in predictor.axes[:3]) + lags_of(log.h) * log.h
+        out |= np.convolve(log.between.far, np.ones(round(min(SETTLING, kept) / log.h) + 1))[: log.n] > 0
+    masses = lightest(predictor.vehicle, {})
+    # The thrust is off while its lag lasts, and the whitening holds an error for its lags.
+    longer = _lag(predictor.vehicle) * RUN_UP + lags_of(log.h) * log.h
+    for axis, impulse, mass in zip(predictor.axes, lost_impulses(predictor.driving), masses.values(), strict=False):
+        moved = impulse / (mass * UNSEEN * axis.spread)
+        for k in np.flatnonzero(moved > 1.0).tolist():
+            # A larger jump takes longer to be forgotten.
+            kept = (FORGOTTEN + np.log(moved[k])) * axis.memory
+            out[k : k + round(min(SETTLING, kept + longer) / log.h) + 1] = True
+    return out
+
+
+def _lag(vehicle: Vehicle) -> float:
+    """The longest time constant of a thruster [s]."""
+    return max((t.time_constant or 0.0 for t in vehicle.thrusters), default=0.0)
 
 
 def quick_enough(predictor: Predictor, slopes: Array) -> Predictor:

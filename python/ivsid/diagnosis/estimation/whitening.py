@@ -121,6 +121,11 @@ class Whitening:
         return replace(self, slow=rows, span=max(1, round(SLOW / predictor.log.h)))
 
 
+def lags_of(h: float) -> int:
+    """Lags of the autoregression at a step h [s]."""
+    return int(np.clip(round(MEMORY / h), FEWEST_LAGS, MOST_LAGS))
+
+
 def whiten(
     predictor: Predictor, residual: Array, good: NDArray[np.bool_], left_out: frozenset[int] = frozenset()
 ) -> Whitening:
@@ -136,7 +141,7 @@ def whiten(
         left_out: indices of the axes that are left out.
     """
     rows_of, silent = _counting(predictor, left_out)
-    lags = int(np.clip(round(MEMORY / predictor.log.h), FEWEST_LAGS, MOST_LAGS))
+    lags = lags_of(predictor.log.h)
     usable = good.copy()
     for lag in range(1, lags + 1):
         usable[lag:] &= good[:-lag]

@@ -9,18 +9,25 @@ Source: docs/theory.md, "Noise" and "Any thrust curve inside its accuracy".
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
-from ivsid.diagnosis.estimation.noise import declared_ambient, lightest
-from ivsid.diagnosis.estimation.roughness import least_ambient
+from ivsid.diagnosis.estimation.roughness import rougher_alone
 from ivsid.diagnosis.null.any_curve import AnyCurve
+from ivsid.diagnosis.null.curve_errors import cells_of
+
+# Jumps of a thrust's error inside cells of its demand: in such a cell a constant leaves all of it.
+# Source: definition: as many levels as an error may have beside the edges of cells
+JUMPS: Final = 4.0
 
 
-def rougher_beyond(curve: AnyCurve) -> tuple[float, float, float]:
+def rougher_beyond(curve: AnyCurve, least: float) -> tuple[float, float, float]:
     """Ambient acceleration at the least over the declared one, beyond any thrust curve inside its accuracy, by axis; 0 where none is declared.
 
     Args:
         curve: the base of a fit beside any curve.
+        least: what errors of thrusts and the ambient force together have to be in the declared ambient force for an axis to be asked.
     """
     fit = curve.fit
     predictor, g = fit.noise.predictor, curve.g
@@ -32,7 +39,8 @@ def rougher_beyond(curve: AnyCurve) -> tuple[float, float, float]:
     whole = left.transpose(1, 0, 2).reshape(rows, -1)
     errors = np.zeros((rows, fit.noise.good.size))
     errors[:, : whole.shape[1]] = fit.noise.whitening.undone(whole)
-    _, found = least_ambient(predictor, errors, fit.noise.good, fit.noise.left_out)
-    said = declared_ambient(predictor.vehicle, lightest(predictor.vehicle, fit.h.values))
-    x, y, n = (found / np.array(said.deviation)).tolist()
+    share = np.sqrt(JUMPS / cells_of(len(predictor.vehicle.thrusters)))
+    found = rougher_alone(predictor, errors, fit.noise.good, fit.noise.left_out, fit.states, share)
+    # Errors of thrusts that come in spells are told by neither of both alone.
+    x, y, n = np.where(np.array(fit.noise.alone) > least, found, 0.0).max(axis=0).tolist()
     return x, y, n

@@ -163,30 +163,26 @@ class _Motion:
             x[4:] = log.place[:, :1]
         return x
 
-    def bollard(self, push: Array, sent: Array, i: int) -> Array:
-        """X, Y [N], N [N m] of thrusts at no speed and of the known force during the step after sample i, shape (3, parts, count).
+    def bollard(self, push: Array, sent: Array) -> Array:
+        """X, Y [N], N [N m] of thrusts at no speed during the step after sample i, shape (3, parts, count).
 
         Args:
             push: thrusts at several moments of the step, shape (parts, thrusters, count).
             sent: commands, shape (sent, count).
-            i: the sample.
         """
         angles = sent[2 * self.thrusters :]
-        force = np.broadcast_to(self.log.force[:, i, None, None], (3, len(push), self.wide.size))
-        return bollard_force(self.vehicle, push.transpose(1, 0, 2), (np.cos(angles), np.sin(angles)), force)
+        return bollard_force(self.vehicle, push.transpose(1, 0, 2), (np.cos(angles), np.sin(angles)))
 
-    def known(self, sent: Array, i: int, time: float) -> tuple[Array, Array, Array, Array | None, Array]:
-        """Time, angles of thrusters, known force, wind and angles of rudders during the step after sample i, as ``rates`` takes them."""
+    def known(self, sent: Array, i: int, time: float) -> tuple[Array, Array, Array | None, Array]:
+        """Time, angles of thrusters, wind and angles of rudders during the step after sample i, as ``rates`` takes them."""
         log, m = self.log, self.thrusters
         wind = None if log.wind is None else self.wide + log.wind[:, i, None]
-        return self.wide + time, sent[2 * m :], self.wide + log.force[:, i, None], wind, sent[m : 2 * m]
+        return self.wide + time, sent[2 * m :], wind, sent[m : 2 * m]
 
-    def rates(
-        self, x: Array, push: Array, bollard: Array, known: tuple[Array, Array, Array, Array | None, Array]
-    ) -> Array:
+    def rates(self, x: Array, push: Array, bollard: Array, known: tuple[Array, Array, Array | None, Array]) -> Array:
         """Rates of u, v, r, psi, x, y under thrusts and all else that is known of a step, shape (6, count)."""
-        time, angles, force, wind, rudders = known
-        p = Points(x[:3], x[3], x[4:], time, push, angles, force, wind, rudders, bollard)
+        time, angles, wind, rudders = known
+        p = Points(x[:3], x[3], x[4:], time, push, angles, wind, rudders, bollard)
         nudot = self.dynamics.acceleration(p)
         c, s = np.cos(x[3]), np.sin(x[3])
         out = np.empty_like(x)
@@ -248,7 +244,7 @@ class _Force:
     motion: _Motion
     push: Array
     bollard: Array
-    known: tuple[Array, Array, Array, Array | None, Array]
+    known: tuple[Array, Array, Array | None, Array]
     ahead: Array
 
     def at(self, x: Array, moment: int) -> Array:
@@ -319,7 +315,7 @@ def simulated(
                     middle = 0.5 * (first + last)
                 push = thrusters.step(first, last, 1.0 / parts)
                 known = motion.known(middle, i, float(log.t[i]) + (part + 0.5) * step)
-                force = _Force(motion, push, motion.bollard(push, middle, i), known, ahead)
+                force = _Force(motion, push, motion.bollard(push, middle), known, ahead)
                 rate, x = integrate(force, x, step)
                 if not part:
                     rates[:, i] = rate[:3]

@@ -40,6 +40,11 @@ WIDTHS: Final = (0.02, 0.08)
 BEYOND_DEMAND: Final = ("~inflow.", "~late.", "~stop.")
 
 
+def cells_of(thrusters: int) -> int:
+    """Cells of the demand of each of so many thrusters, for each direction of it."""
+    return min(MOST_CELLS, max(CELLS // (2 * max(thrusters, 1)), 1))
+
+
 def curve_errors(fit: Fit, over: Sequence[Array] | None = None, finer: int = 1) -> Iterator[tuple[str, Array]]:
     """Name and signature of each error: in each cell of demand that the log visits, at each speed of the inflow, and of each play.
 
@@ -53,7 +58,7 @@ def curve_errors(fit: Fit, over: Sequence[Array] | None = None, finer: int = 1) 
     thrusters = [k for k, e in enumerate(propulsion.errors) if len(e.spreads)]
     relative = through_water(s)
     for k in thrusters:
-        count = finer * min(MOST_CELLS, max(CELLS // (2 * len(thrusters)), 1))
+        count = finer * cells_of(len(thrusters))
         place = _places((over or propulsion.demands)[k], count)
         # A shaft that lags runs through demands that nobody sends.
         thruster = s.predictor.vehicle.thrusters[k]

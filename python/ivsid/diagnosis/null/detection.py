@@ -26,8 +26,6 @@ def detection_limits(fit: Fit) -> dict[str, Mapping[str, float]]:
     Args:
         fit: of the plain model.
     """
-    if not fit.noise.predictor.vehicle.thrusters:
-        return {}
     asked = [c for c in fit.candidates if not c.searched]
     names = list(dict.fromkeys(n for c in asked for v in c.variants for n in v))
     late = {n for c in asked if c.starts for v in c.variants for n in v}

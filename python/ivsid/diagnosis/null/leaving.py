@@ -117,7 +117,7 @@ def misread_of(others: Others) -> tuple[Misread, Misread] | None:
         there = readings(vehicle, g, range(len(g.names)), earth=earth)
         found.update((n, q) for n, q in there if n in found and q.chance > found[n].chance)
 
-    if worst()[2] <= DOUBT and vehicle.thrusters:
+    if worst()[2] <= DOUBT:
         # A thrust curve may have moved the readings.
         asked(others.curve.g)
     bare = worst()

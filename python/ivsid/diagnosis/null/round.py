@@ -50,14 +50,14 @@ class Round:
     )
 
     @cached_property
-    def curve(self) -> AnyCurve | None:
-        """The base beside any thrust curve; None for a vehicle without thrusters."""
-        return AnyCurve(self.fit) if self.fit.noise.predictor.vehicle.thrusters else None
+    def curve(self) -> AnyCurve:
+        """The base beside any thrust curve."""
+        return AnyCurve(self.fit)
 
     @cached_property
-    def directions(self) -> Directions | None:
-        """Directions of causes beside any thrust curve; None for a vehicle without thrusters."""
-        return None if self.curve is None else Directions(self.curve)
+    def directions(self) -> Directions:
+        """Directions of causes beside any thrust curve."""
+        return Directions(self.curve)
 
     @cached_property
     def closer_directions(self) -> Directions:
@@ -65,9 +65,9 @@ class Round:
         return Directions(AnyCurve(self.fit, finer=CLOSER))
 
     @cached_property
-    def finer_directions(self) -> Directions | None:
+    def finer_directions(self) -> Directions:
         """The same with more cells."""
-        return None if self.curve is None else Directions(AnyCurve(self.fit, finer=FINER))
+        return Directions(AnyCurve(self.fit, finer=FINER))
 
     @cached_property
     def frequencies(self) -> Frequencies:
@@ -101,7 +101,7 @@ class Round:
     @cached_property
     def reached(self) -> Reached:
         """What curves inside their accuracy reach of the errors at the knots."""
-        return Reached(self.curve or AnyCurve(self.fit))
+        return Reached(self.curve)
 
     @cached_property
     def _kept(self) -> float:
@@ -113,20 +113,18 @@ class Round:
         asked = (s.id, *s.columns), s.theta
         if asked not in self._left:
             curve = self.finer_directions if inside_cells(self.fit, s) else self.directions
-            self._left[asked] = s.fall if curve is None else curve.left(s)
+            self._left[asked] = curve.left(s)
         return self._left[asked]
 
     def faint(self, s: Scored) -> bool:
         """Whether errors inside the usual cells may look like a cause by chance, and no stronger one is found first."""
-        if self.curve is None or inside_cells(self.fit, s) or self.left(s) >= CLEAR:
+        if inside_cells(self.fit, s) or self.left(s) >= CLEAR:
             return False
         stronger = (q for q in self.scored if q.physical and q.shown >= CLEAR)
         return not any(self.left(q) >= CLEAR for q in stronger)
 
     def free(self, s: Scored) -> float:
         """Merit of a family beside any thrust curve inside its accuracy: of an error in each cell of demand, with the bound as its prior."""
-        if self.curve is None:
-            return s.merit
         g, at = self.curve.beside(s)
         return replace(s, fall=Projection(g, self.curve.projection.base).solve(at)[1]).merit
 
@@ -139,8 +137,6 @@ class Round:
             s: a family.
             closer: whether errors may jump in twice as many cells.
         """
-        if self.curve is None:
-            return 0.0
         left = max(min(self.closer_directions.left(s) if closer else self.left(s), s.fall), s.boxed)
         if self._kept <= self.chance:
             left = max(left, min(self.reached.of(s), s.fall))
@@ -151,7 +147,7 @@ class Round:
 
         Asked are causes that are a declared error beyond its bound, and those at a thruster where the log leaves these errors no curve.
         """
-        if not s.physical or s.fall < ASKED or not self.fit.noise.predictor.vehicle.thrusters:
+        if not s.physical or s.fall < ASKED:
             return s
         if is_declared(self.fit, s):
             return replace(s, boxed=self.left(s))

@@ -109,12 +109,13 @@ def thinned(log: Channels, vehicle: Vehicle) -> tuple[Channels, int]:
         angles=angles,
         rudders=rudders,
         between=None,
-        force=sent(log.force),
         wind=firsts_of(log.wind),
         voltage=firsts_of(log.voltage),
         depth=firsts_of(log.depth),
         good=np.asarray(log.good[: n * q].reshape(n, q).all(axis=1)),
         noise=noise,
+        # Null logs are made with the demands as they are held against them.
+        lost=None,
     )
     return made, q
 

@@ -1,4 +1,4 @@
-"""Thrusts, angles and known forces of a log under a hypothesis, at samples and over steps."""
+"""Thrusts and angles of a log under a hypothesis, at samples and over steps."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Inside:
         thrusts: at no speed [N], shape (thrusters, parts n).
         angles: of azimuth thrusters [rad], shape (thrusters, parts n).
         rudders: angles of rudders [rad], shape (thrusters, parts n).
-        bollard: X, Y [N], N [N m] of the thrusts and of the known force, shape (3, parts n).
+        bollard: X, Y [N], N [N m] of the thrusts, shape (3, parts n).
         swing: cosines and sines of the angles.
     """
 
@@ -67,7 +67,6 @@ class Driving:
         turned: angles of azimuth thrusters [rad], shape (thrusters, 2 n).
         swing: cosines and sines of ``turned``.
         steered: angles of rudders [rad], shape (thrusters, 2 n).
-        sent: known X, Y [N], N [N m] beside the thrusters, shape (3, 2 n).
     """
 
     def __init__(self, vehicle: Vehicle, log: Channels, errors: Sequence[ThrustErrors] | None = None) -> None:
@@ -77,7 +76,6 @@ class Driving:
         # An angle that runs takes the shorter way.
         angles = np.unwrap(log.angles, axis=1) if log.running else log.angles
         self.turned, self.steered = (_over(x, held=held) for x in (angles, log.rudders))
-        self.sent = _over(log.force, held=log.held)
         if log.between is not None:
             self.turned, self.steered = (_between(log.between, x) for x in (log.between.angles, log.between.rudders))
         self.swing = np.cos(self.turned), np.sin(self.turned)
@@ -139,11 +137,10 @@ class Driving:
             return self._running(h, at)
         thrusts, angles, rudders = (_by_part(x) for x in (parts, between.angles, between.rudders))
         swing = np.cos(angles), np.sin(angles)
-        sent = np.tile(self.sent[:, self.log.n :], parts.shape[2])
-        return Inside(thrusts, angles, rudders, bollard_force(self.vehicle, thrusts, swing, sent), swing)
+        return Inside(thrusts, angles, rudders, bollard_force(self.vehicle, thrusts, swing), swing)
 
     def _running(self, h: Hypothesis, at: Sequence[float]) -> Inside | None:
-        """Thrusts, angles and known forces at places in the steps, on straight lines from one sample to the next where they run."""
+        """Thrusts and angles at places in the steps, on straight lines from one sample to the next where they run."""
         log, n = self.log, self.log.n
         rises = np.array(
             [self.propulsion.rise(k, h.given) for k in range(len(self.vehicle.thrusters))], dtype=np.float64
@@ -154,9 +151,8 @@ class Driving:
         thrusts = self._worked(h).thrusts
         pushes = _on_lines(thrusts[:, n:], rises[:, None] * _rise(thrusts[:, :n]), at)
         angles, rudders = (_on_lines(x[:, n:], turning * _rise(x[:, :n]), at) for x in (self.turned, self.steered))
-        sent = _on_lines(self.sent[:, n:], (not log.held) * _rise(self.sent[:, :n]), at)
         swing = np.cos(angles), np.sin(angles)
-        return Inside(pushes, angles, rudders, bollard_force(self.vehicle, pushes, swing, sent), swing)
+        return Inside(pushes, angles, rudders, bollard_force(self.vehicle, pushes, swing), swing)
 
     def _worked(self, h: Hypothesis) -> _Pushes:
         """The thrusts of a hypothesis, those of a call before if they are the same."""
@@ -167,7 +163,7 @@ class Driving:
         if found is None:
             made = self.propulsion.thrusts(h.given, sizes)
             thrusts = np.concatenate([made.now, made.mean], axis=1)
-            force = bollard_force(self.vehicle, thrusts, self.swing, self.sent)
+            force = bollard_force(self.vehicle, thrusts, self.swing)
             found = _Pushes(thrusts, force, None if self.log.between is None else made.parts)
             for old in list(self._known)[: 1 - KEPT]:
                 self._known.pop(old, None)
@@ -182,11 +178,10 @@ class Driving:
         assert between is not None
         if not self._turns:
             # A force that keeps its direction has its moment where its thrust has it.
-            return bollard_force(self.vehicle, parts @ between.lean, self._at_samples, np.zeros((3, self.log.n)))
+            return bollard_force(self.vehicle, parts @ between.lean, self._at_samples)
         pushes = (parts * between.lean).reshape(len(parts), -1)
         angles = between.angles.reshape(pushes.shape)
-        none = np.zeros((3, pushes.shape[1]))
-        total = bollard_force(self.vehicle, pushes, (np.cos(angles), np.sin(angles)), none)
+        total = bollard_force(self.vehicle, pushes, (np.cos(angles), np.sin(angles)))
         return np.asarray(total.reshape(3, self.log.n, -1).sum(axis=2))
 
     def _around(self, parts: Array, force: Array) -> Array | None:
@@ -197,7 +192,7 @@ class Driving:
             return None
         # Before the first sample the first demand was in force.
         impulse = between.moved(parts, parts[:, 0, 0])
-        whole = bollard_force(self.vehicle, impulse, self._at_samples, np.zeros((3, self.log.n)))
+        whole = bollard_force(self.vehicle, impulse, self._at_samples)
         return self.log.h * whole - self.bend(force[:, self.log.n :])
 
     def _sizes(self, h: Hypothesis, k: int) -> list[float]:
@@ -236,7 +231,7 @@ def _between(between: Between, x: Array) -> Array:
 
 
 def _over(x: Array, *, held: bool) -> Array:
-    """Angles or forces at samples, then in the middle of steps."""
+    """Angles at samples, then in the middle of steps."""
     return (
         np.concatenate([x, x], axis=-1)
         if held

@@ -50,10 +50,9 @@ class Points:
         t: clock of the effects [s], shape (n,).
         thrusts: at no speed [N], shape (thrusters, n).
         angles: of azimuth thrusters [rad], shape (thrusters, n).
-        force: known X, Y [N], N [N m] beside the thrusters, shape (3, n).
         wind: the air's velocity north and east [m/s], shape (2, n), or None.
         rudders: angles of rudders [rad], shape (thrusters, n), or None.
-        bollard: sum of ``force`` and of the thrusts at no speed, X, Y [N], N [N m], shape (3, n), if it is known; it does not depend on the states.
+        bollard: sum of the thrusts at no speed, X, Y [N], N [N m], shape (3, n), if it is known; it does not depend on the states.
         swing: cosines and sines of ``angles``, if they are known, shape (thrusters, n) each.
         heading: ``psi`` with its cosine and sine.
     """
@@ -64,7 +63,6 @@ class Points:
     t: Array
     thrusts: Array
     angles: Array
-    force: Array
     wind: Array | None = None
     rudders: Array | None = None
     bollard: Array | None = None

@@ -79,7 +79,7 @@ class ThrusterForces:
         if p.bollard is not None and self._at_no_speed:
             return p.bollard.copy()
         u, v, r = relative
-        total = p.force.copy()
+        total = np.zeros_like(p.nu)
         along, across = p.swing or (np.cos(p.angles), np.sin(p.angles))
         for k, thruster in enumerate(self.vehicle.thrusters):
             c, s = along[k], across[k]
@@ -96,16 +96,15 @@ class ThrusterForces:
         return total
 
 
-def bollard_force(vehicle: Vehicle, thrusts: Array, turn: tuple[Array, Array], force: Array) -> Array:
+def bollard_force(vehicle: Vehicle, thrusts: Array, turn: tuple[Array, Array]) -> Array:
     """X, Y [N], N [N m] of thrusts at no speed, without rudders, shape (3, n).
 
     Args:
         vehicle: with its thrusters.
         thrusts: [N], shape (thrusters, n).
         turn: cosines and sines of their angles, shape (thrusters, n) each.
-        force: known force beside them, shape (3, n).
     """
-    total = force.copy()
+    total = np.zeros((3, *thrusts.shape[1:]))
     for thruster, push, c, s in zip(vehicle.thrusters, thrusts, *turn, strict=True):
         x, y = thruster.position
         total[0] += push * c

@@ -122,7 +122,7 @@ def inside(p: Points, nu: Array, psi: Array, t: Array, driven: Inside | None) ->
     def known(x: Array | None) -> Array | None:
         return None if x is None else held(x)
 
-    made = replace(p, nu=nu, psi=psi, place=held(p.place), t=t, force=held(p.force), wind=known(p.wind))
+    made = replace(p, nu=nu, psi=psi, place=held(p.place), t=t, wind=known(p.wind))
     if driven is not None:
         return replace(
             made,

@@ -194,7 +194,6 @@ class StateFilter:
             np.r_[log.t, log.t + half],
             thrusts,
             self.driving.turned,
-            self.driving.sent,
             None if log.wind is None else twice(log.wind),
             self.driving.steered,
             bollard,

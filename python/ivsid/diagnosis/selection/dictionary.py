@@ -98,7 +98,7 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
             "t thrust": t * force,
         }
         for k, thruster in enumerate(predictor.vehicle.thrusters[:THRUSTERS]):
-            functions[f"thrust of {thruster.name}"] = p.thrusts[k] / size
+            functions[thruster.words.removeprefix("the ")] = p.thrusts[k] / size
     if predictor.log.psi is not None:
         cosine, sine = np.cos(p.psi), np.sin(p.psi)
         functions |= {"cos psi": cosine, "sin psi": sine, "u cos psi": a * cosine, "u sin psi": a * sine}

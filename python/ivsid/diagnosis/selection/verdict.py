@@ -10,7 +10,7 @@ from typing import Final
 
 from ivsid.diagnosis.null.levels import STRUCTURE
 from ivsid.diagnosis.null.rule import Rule, first_refusal
-from ivsid.diagnosis.selection.adequacy import RISK, ROUGHER, SCATTERED, Adequacy
+from ivsid.diagnosis.selection.adequacy import PARTED, RISK, ROUGHER, SCATTERED, Adequacy
 
 # Share of the excess of the plain model that the right causes may leave. States that the ambient force carries over half a step have less excess in the
 # plain model: on a full simulator's log in a current 0.7 of what it was, of which its six right causes leave 0.0204, and left 0.0148;
@@ -107,6 +107,18 @@ OF_READINGS: Final = Rule[Left](
     "readings scatter by at least {value:.2g} times their stated accuracy, and {limit:g} times are none",
     least=False,
 )
+OF_ONE_ANOTHER: Final = Rule[Left](
+    "readings part",
+    "change of a heading over 5 to 20 s less what a gyro adds up, or of a position less what velocities do, at the most, over what their stated "
+    "accuracies allow",
+    f"at most {PARTED:g}",
+    "A filter follows a compass that is drawn aside for half a minute, so that its prediction errors are small. No model of the vehicle is asked.",
+    "theorem: errors inside their bounds part by 1 at most",
+    lambda c: c.after.parted[1],
+    lambda _: PARTED,
+    "readings that follow from one another part by {value:.2g} times what their stated accuracies allow, and {limit:g} times are none",
+    least=False,
+)
 OF_FORCES: Final = Rule[Left](
     "force of no cause",
     "causes that passed every test and that one force of no cause explains as well, or better, or that do not dominate what is left, where "
@@ -133,4 +145,4 @@ OF_ROWS: Final = Rule[Left](
     lambda c: c.findings == 0,
     least=False,
 )
-VERDICT: Final = (STRUCTURE_RULE, OF_HULLS, OF_THE_SEA, OF_READINGS, OF_FORCES, OF_ROWS)
+VERDICT: Final = (STRUCTURE_RULE, OF_HULLS, OF_THE_SEA, OF_READINGS, OF_ONE_ANOTHER, OF_FORCES, OF_ROWS)

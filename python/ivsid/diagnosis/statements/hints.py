@@ -12,6 +12,7 @@ from ivsid.diagnosis.null.boxed import OVERSHOOT, outside
 from ivsid.diagnosis.plant.declared_readings import DEVIATION, PARTS, assumed, bounded, deviation_shapes
 from ivsid.diagnosis.statements.sensor_words import WORDS
 from ivsid.effects import CHANNELS
+from ivsid.vehicle import KnownForce
 
 # A declared error is mentioned if its size exceeds this multiple of the standard deviation of its estimate.
 # Source: definition: 6e-7 of normal errors lie beyond
@@ -64,7 +65,8 @@ def hints(fit: Fit) -> tuple[str, ...]:
                 if most > OVERSHOOT
                 else "inside its accuracy"
             )
-            out.append(f"the thrust of {thruster.name} differs from its curve, {where}")
+            what = "differs" if isinstance(thruster, KnownForce) else "differs from its curve"
+            out.append(f"{thruster.words} {what}, {where}")
     vehicle, ambient = fit.noise.predictor.vehicle, fit.noise.predictor.ambient
     if vehicle.ambient is not None and vehicle.ambient.force:
         mass = np.linalg.inv(fit.signatures.mass.inverse[0])
@@ -74,7 +76,7 @@ def hints(fit: Fit) -> tuple[str, ...]:
         where = f" in {CHANNELS[strong[0]]}" if len(strong) == 1 else ""
         pushed = (
             "thrusts that are off inside their accuracies, or "
-            if vehicle.thrusters
+            if not any(isinstance(t, KnownForce) for t in vehicle.thrusters)
             else "known forces that are off, or "
         )
         if strong:

@@ -52,7 +52,7 @@ def largest_drag(fit: Fit, term: Term, off: float) -> float:
     taken = power(term.columns(here))
     if not (taken.ndim and taken.min() >= 0.0 and taken.any()):
         return np.inf
-    driven = nu * (thruster_force(vehicle, h.given, p, (u, v, r)) + p.force)
+    driven = nu * thruster_force(vehicle, h.given, p, (u, v, r))
     work = float(driven.sum())
     along, across = p.swing or (np.cos(p.angles), np.sin(p.angles))
     for k, t in enumerate(vehicle.thrusters):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from ivsid.diagnosis.estimation.parting import HEADING, PLACE
+
 
 @dataclass(frozen=True)
 class Words:
@@ -41,6 +43,11 @@ WORDS: Final = {
     "~arm.acceleration.y": Words("distance of the accelerometer to starboard of its stated position", "m", "surge"),
     "~turn.velocity": Words("turn of the velocity sensor beyond its stated rotation", "rad", "sway"),
     "~turn.acceleration": Words("turn of the accelerometer beyond its stated rotation", "rad", "sway"),
+}
+# Readings that follow from one another, as sentences say them, and the channel of the motion in which they act most.
+APART: Final = {
+    HEADING: ("the heading and what the gyro adds up", "yaw"),
+    PLACE: ("the position and what the velocities add up", "surge"),
 }
 # Readings with a stated accuracy by channel, as sentences say them, and the channel of the motion in which they act most.
 READ: Final = {

@@ -29,7 +29,6 @@ from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.statements.two_logs import SHARED, Changes, changes, one_log
 from ivsid.effects.environment import SHALLOW_SCALED
-from ivsid.vehicle import Vehicle
 
 # Parameters that have to be fitted and to change: a factor of fewer may be chance. Two masses changed by 2.3 % where a failed thruster was fitted.
 # Source: measured: make constants
@@ -103,11 +102,10 @@ class Change:
     thrusts: bool = False
 
 
-def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
+def change(last: Fit, test: Channels) -> Change | None:
     """Fits the last hypothesis to the other log, under the noise of the first.
 
     Args:
-        vehicle: of the file.
         last: fit of the extended model to TRAIN.
         test: the other log.
 
@@ -123,8 +121,8 @@ def change(vehicle: Vehicle, last: Fit, test: Channels) -> Change | None:
         return None
     train = last.noise.predictor
     # The thrusters are the same, and so are the errors of their curves: one set of errors serves both logs.
-    driving = Driving(vehicle, test, train.propulsion.errors)
-    predictor = Predictor(vehicle, test, train.ambient, driving=driving, turning=not last.noise.left_out)
+    driving = Driving(train.vehicle, test, train.propulsion.errors)
+    predictor = Predictor(train.vehicle, test, train.ambient, driving=driving, turning=not last.noise.left_out)
     if predictor.labels != train.labels or abs(test.h / train.log.h - 1) > SAME_CLOCK:
         return None
     noise = Noise(predictor, last.noise.whitening, usable_rows(predictor), last.noise.left_out)

@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.selection.adequacy import ROUGHER, SCATTERED, Adequacy
+from ivsid.diagnosis.selection.adequacy import PARTED, ROUGHER, SCATTERED, Adequacy
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.residuals import FindingEvidence
-from ivsid.diagnosis.statements.sensor_words import READ, WORDS
+from ivsid.diagnosis.statements.sensor_words import APART, READ, WORDS
 from ivsid.effects import CHANNELS
 
 # What a regressor of the dictionary suggests, by the first of these words that its name holds.
@@ -68,6 +68,18 @@ def _scattered(left: Adequacy) -> Iterator[tuple[str, str]]:
         )
 
 
+def _parted(left: Adequacy) -> Iterator[tuple[str, str]]:
+    """The channel in which readings act that follow from one another and part beyond their stated accuracies, and a clause on them."""
+    name, times = left.parted
+    if times > PARTED:
+        read, channel = APART[name]
+        yield (
+            channel,
+            f"{read} part by {times:.2g} times what their stated accuracies allow over some seconds: one of the sensors is worse than it states, or wrong "
+            "for a while, as a compass is near steel, a position in reflected signals and a velocity that is lost and kept",
+        )
+
+
 def _passed(imitated: Collection[str], faint: Collection[str]) -> Iterator[str]:
     """Clauses on causes that passed every test and are no findings, from a clause on each."""
     if imitated:
@@ -106,10 +118,10 @@ def unknown(
     if not left.bounded:
         if left.pushed and left.leaving > left.strongest[0][2]:
             channel, z = left.pushed, float(np.sqrt(left.leaving))
-        where = " and of ".join(f"{name} (fitted at {most:.1f} times its accuracy)" for name, most in left.outside)
+        where = " and ".join(f"{name} (fitted at {most:.1f} times its accuracy)" for name, most in left.outside)
         text = (
-            "the errors that the model leaves follow the motion, and no thrust curve inside the stated accuracy takes them: either the thrust"
-            f"{f' of {where}' if where else ''} differs from its curve by more than the stated accuracy, or a force that the model lacks goes with the demands; "
+            "the errors that the model leaves follow the motion, and no thrust curve inside the stated accuracy takes them: either "
+            f"{where or 'the thrust'} differs from its curve by more than the stated accuracy, or a force that the model lacks goes with the demands; "
             "all masses and drags may be wrong with it; a bollard test of the thrust tells the two apart"
         )
     if not left.sensed and left.misread is not None:
@@ -123,7 +135,7 @@ def unknown(
             channel, z, text = said.channel, float(np.sqrt(most.fall)), wrong
         else:
             text += f"; {wrong}"
-    if odd := [*_rough(left), *_scattered(left)]:
+    if odd := [*_rough(left), *_scattered(left), *_parted(left)]:
         rest = [said for _, said in odd]
         if left.white and left.in_bounds:
             channel, z, text = odd[0][0], 0.0, "; ".join(rest)

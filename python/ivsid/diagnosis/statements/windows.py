@@ -113,7 +113,6 @@ def _simulated(
             t,
             thrusts[:, at],
             predictor.driving.turned[:, n + at],
-            predictor.driving.sent[:, n + at],
             None if log.wind is None else log.wind[:, at],
             predictor.driving.steered[:, n + at],
             bollard[:, at],

@@ -1,0 +1,89 @@
+"""How far readings part that follow from one another: a heading from what a gyro adds up, a position from what velocities do.
+
+A filter follows a compass that is drawn aside for half a minute, or a position that drifts with reflected signals, and its prediction errors are small. What
+the change of the one and the sum of the other differ by over some seconds holds all of it, and no model of the vehicle.
+
+Source: docs/theory.md, "Scatter".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
+from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.vehicle import InertialSensor
+
+Array = NDArray[np.float64]
+# Times over which readings may part [s].
+# Source: geometry: a reading that is wrong for some seconds and for half a minute; beyond that the slow errors of a gyro add up
+OVER: Final = (5.0, 10.0, 20.0)
+# Time over which readings are averaged at either end [s].
+# Source: geometry: several samples, so that single ones that jump do not count, and little of the shortest time
+MEAN: Final = 1.0
+# Standard deviations that count as a bound of an error for which no bound is stated.
+# Source: definition: as of the noise of an accuracy
+SIGMAS: Final = 3.0
+# Heading over yaw rate, and position over velocities, as channels of ``parted``.
+HEADING: Final = "psi by r"
+PLACE: Final = "x y by u v"
+
+
+def parted(predictor: Predictor, states: FilteredStates) -> dict[str, float]:
+    """The farthest that readings part over some seconds, over what their stated accuracies allow, by channels; of those that state both.
+
+    Args:
+        predictor: of a log.
+        states: of a hypothesis, whose sensor effects are taken out of the readings.
+    """
+    return {name: max(found, default=0.0) for name, found in _found(predictor, states)}
+
+
+def _found(predictor: Predictor, states: FilteredStates) -> Iterator[tuple[str, list[float]]]:
+    log, sensors = predictor.log, predictor.vehicle.sensors
+    wrong = predictor.sensed(states.h.given, states)
+    u, v, r = (x - wrong[q] for x, q in zip(log.nu, ("u", "v", "r"), strict=True))
+    if log.psi is None or sensors.heading is None:
+        return
+    psi, off = log.psi - wrong.get("psi", 0.0), sensors.heading.accuracy
+    if sensors.yaw_rate is not None and not log.turned:
+        slow, noise = _drift(sensors.yaw_rate), SIGMAS * sensors.yaw_rate.random_walk
+        yield HEADING, [_worst(predictor, psi, r, 2 * off + slow * s + noise * np.sqrt(s), s) for s in OVER]
+    if log.place is not None and sensors.position is not None and sensors.velocity is not None:
+        c, s = np.cos(psi), np.sin(psi)
+        speed = float(np.hypot(u, v).max())
+        velocity = sensors.velocity
+        # Errors across and along the hull, and those of the direction.
+        rate = np.sqrt(2.0) * velocity.accuracy + (velocity.scale_factor_error + off) * speed
+        pairs = zip(log.place, (u * c - v * s, u * s + v * c), strict=True)
+        allowed = [2 * sensors.position.accuracy + rate * s for s in OVER]
+        yield (
+            PLACE,
+            [_worst(predictor, x, q, a, s) for x, q in pairs for a, s in zip(allowed, OVER, strict=True)],
+        )
+
+
+def _drift(gyro: InertialSensor) -> float:
+    """The bound of a slow error of a gyro [rad/s]."""
+    return gyro.accuracy + SIGMAS * gyro.axis(0)[0]
+
+
+def _worst(predictor: Predictor, x: Array, rate: Array, allowed: float, time: float) -> float:
+    """The farthest that a reading and the sum of its rate part over a time [s], over what is allowed; 0 if no stretch is whole."""
+    log = predictor.log
+    lag, mean = round(time / log.h), max(1, round(MEAN / log.h))
+    if log.n <= lag + mean or allowed <= 0:
+        return 0.0
+    apart = x - log.h * np.r_[0.0, np.cumsum(0.5 * (rate[1:] + rate[:-1]))]
+    ends = uniform_filter1d(apart, mean)
+    lost = np.r_[0, np.cumsum(~log.good)]
+    # A stretch counts where no sample of it, and of the means at its ends, is missing.
+    first, last = np.arange(mean, log.n - lag - mean), np.arange(mean + lag, log.n - mean)
+    whole = lost[last + mean] == lost[first - mean]
+    moved = np.abs(ends[last] - ends[first])[whole]
+    return float(moved.max(initial=0.0)) / allowed

@@ -276,7 +276,7 @@ DIAGNOSIS = (
     python(
         "demands that hold over lost rows",
         "diagnosis/data/lost_rows.py",
-        "np.insert(x, at, np.interp(lost, t, x))",
+        "np.insert(x, at, np.interp(lost, t, _turned(name, x)))",
         "np.insert(x, at, x[at - 1])",
         "test_dropped_rows.py",
     ),

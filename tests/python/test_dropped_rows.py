@@ -124,3 +124,22 @@ def test_demands_in_rows_of_their_own_are_not_lost():
     t, x = lost.filled("demand_port")
     assert np.array_equal(t, rare.t[there]) and np.array_equal(x, rare.columns["demand_port"][there])
     assert channels(rare, parse_vehicle(SUDDEN, "craft.toml")).lost.jump.shape[0] == 2
+
+
+def test_an_angle_that_turns_through_the_stern_is_lost_there():
+    """A line from 3.1 to -3.1 rad went through 0, and the thruster pushed the other way for a row."""
+    t = 0.1 * np.arange(100)
+    angle = np.mod(np.pi + 0.3 * np.sin(t) + np.pi, 2 * np.pi) - np.pi
+    keep = np.arange(t.size) % 7 != 3
+    log = Log("x.csv", "0" * 64, t[keep], {"azimuth_pod": angle[keep]})
+    at, found = LostRows(log).filled("azimuth_pod")
+    np.testing.assert_allclose(np.cos(found - np.interp(at, t, np.pi + 0.3 * np.sin(t))), 1.0, atol=1e-3)
+
+
+def test_an_empty_cell_beside_a_loss_hides_no_jump():
+    t = 0.1 * np.arange(100)
+    step = np.where(t < 3.0, 0.0, 10.0)
+    step[[28, 32]] = np.nan
+    keep = np.arange(t.size) != 30
+    log = Log("x.csv", "0" * 64, t[keep], {"demand_step": step[keep]})
+    np.testing.assert_allclose(LostRows(log).demands([["demand_step"]], t).jump, [[0.05]])

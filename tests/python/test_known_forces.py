@@ -8,7 +8,7 @@ import pytest
 from diagnosis_logs import HULL, SENSORS, TWIN, logs_of, screened, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.data.channels import channels
-from ivsid.diagnosis.estimation.noise import declared_ambient
+from ivsid.diagnosis.estimation.noise import absolute_force, declared_ambient
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.statements.diagnosis import extended_vehicle
@@ -70,3 +70,11 @@ def test_a_cause_is_named_beside_known_forces():
     (bound,) = one.parameters.values()
     assert bound.lower < 6.0 < bound.upper
     assert result.vehicle.thrusters == () and parse_vehicle(extended_vehicle(result), "e.toml").thrusters == ()
+
+
+def test_a_known_force_is_as_accurate_as_it_is_stated_once():
+    """Nine parts of errors are three forces, and a moment at a long arm is none."""
+    whole = pushed()
+    assert absolute_force(with_known_forces(whole)) == pytest.approx(2 * whole.sensors.force.accuracy)
+    turned = parse_vehicle(HULL + SENSORS + "[sensors.moment]\naccuracy = 0.3\n", "turned.toml")
+    assert absolute_force(with_known_forces(turned)) == absolute_force(turned) > 0.1

@@ -16,6 +16,7 @@ from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import PARTED, adequacy
 from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.effects import terms_of
+from ivsid.vehicle import parse_vehicle
 
 # Accuracies of the heading and the position, and the slow error and the noise of the gyro, of the file of these logs.
 PSI, XY, SLOW, WALK = 0.015, 0.5, 3 * 2e-4, 3 * 1.745e-3
@@ -87,3 +88,12 @@ def test_the_number_is_what_is_allowed_by_hand():
     assert parted_of(exact(0.3))[HEADING] == pytest.approx(0.3 / allowed, rel=1e-3)
     # Nothing is said over a gap, in which a vehicle may turn by anything.
     assert parted_of(exact(0.3, 50.0, range(480, 520)))[HEADING] == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_gyro_that_states_nothing_may_scatter_by_anything():
+    text = vehicle_of().text.replace("random_walk = 1.745e-3\nbias_instability = 2.0e-4", "")
+    vehicle = parse_vehicle(text, "bare.toml")
+    assert vehicle.sensors.yaw_rate.random_walk == 0.0
+    predictor = Predictor(vehicle, channels(exact(0.3), vehicle), declared_ambient(vehicle))
+    terms = terms_of(vehicle)
+    assert HEADING not in parted(predictor, predictor.start(Hypothesis(terms, {t.id: 50.0 for t in terms})))

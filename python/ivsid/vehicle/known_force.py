@@ -26,7 +26,7 @@ class KnownForce(Thruster):
 
     Attributes:
         axis: the column of the force that is known.
-        column: that of the force on which its error depends.
+        by: that of the force on which its error depends.
     """
 
     axis: str
@@ -38,9 +38,14 @@ class KnownForce(Thruster):
         return self.by
 
     @property
+    def own(self) -> bool:
+        """Whether it is the force itself; the others are further parts of its error, of which one is as large as its bound."""
+        return self.by == self.axis
+
+    @property
     def words(self) -> str:
         """As of ``Thruster``."""
-        return f"the known {self.axis}" if self.by == self.axis else f"the known {self.axis}, by {self.by},"
+        return f"the known {self.axis}" if self.own else f"the known {self.axis} by {self.by}"
 
 
 def with_known_forces(vehicle: Vehicle) -> Vehicle:

@@ -115,6 +115,11 @@ class Thruster(Section):
         return f"demand_{self.name}"
 
     @property
+    def own(self) -> bool:
+        """Whether it is a force of its own, and no further part of another one's error."""
+        return True
+
+    @property
     def words(self) -> str:
         """What it gives, in words."""
         return f"the thrust of {self.name}"

@@ -3,7 +3,7 @@
 A reading between two rows is interpolated. A demand that was sent in a lost row is not known: a line between its neighbours is right for one that
 changes evenly, and off by half of a jump for one that jumps.
 
-Source: docs/theory.md, "Prediction".
+Source: docs/theory.md, "Lost rows".
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class LostRows:
         # A cell that is empty beside a loss says that the demand has rows of its own.
         lost = self._times(there[self.before] & there[self.before + 1])
         at = np.searchsorted(t, lost)
-        return np.insert(t, at, lost), np.insert(x, at, np.interp(lost, t, x))
+        return np.insert(t, at, lost), np.insert(x, at, np.interp(lost, t, _turned(name, x)))
 
     def demands(self, columns: Sequence[Sequence[str]], clock: Array) -> LostDemands | None:
         """Losses on a clock, or None if there are none.
@@ -107,11 +107,23 @@ class LostRows:
 
     def _jump(self, name: str) -> Array:
         """The share of the change of a demand over each loss that its slopes on either side do not explain, at most 1, shape (losses,)."""
-        x, t, k, last = self.log.columns[name], self.log.t, self.before, self.log.t.size - 1
+        x, t, k, last = _turned(name, self.log.columns[name]), self.log.t, self.before, self.log.t.size - 1
         change, time = x[k + 1] - x[k], t[k + 1] - t[k]
         left, right = np.maximum(k - 1, 0), np.minimum(k + 2, last)
         slopes = [(x[b] - x[a]) / np.maximum(t[b] - t[a], self.log.period) for a, b in ((left, k), (k + 1, right))]
         # Both together hold a bend, and either alone is no jump's where one lies beside the loss.
-        rest = np.min([np.abs(change - time * s) for s in (*slopes, 0.5 * (slopes[0] + slopes[1]))], axis=0)
+        tried = [np.abs(change - time * s) for s in (*slopes, 0.5 * (slopes[0] + slopes[1]))]
+        # Beside an empty cell no slope is known, and all of the change may be a jump.
+        rest = np.fmin.reduce([*tried, np.where(np.isnan(tried).all(axis=0), np.abs(change), np.nan)])
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(np.nan_to_num(np.minimum(rest / np.abs(change), 1.0), nan=0.0))
+
+
+def _turned(name: str, x: Array) -> Array:
+    """A column, of which an angle takes the shorter way from one cell that is not empty to the next."""
+    if not name.startswith("azimuth_"):
+        return x
+    there = np.isfinite(x)
+    out = x.copy()
+    out[there] = np.unwrap(x[there])
+    return out

@@ -34,6 +34,9 @@ RUN_UP: Final = 5.0
 # Deviations of a filtered velocity by which a jump of a demand in a lost row may move it before the samples after it do not count.
 # Source: theorem: a state that is off by its own deviation adds one to chi-squared at most
 UNSEEN: Final = 1.0
+# Arm of a thrust over the hull's length from which on it is a known moment.
+# Source: geometry: thrusters stand on their hull
+FAR: Final = 100.0
 # Half the time over which slopes of the velocity are taken [s].
 # Source: measured: make constants
 HALF: Final = 0.5
@@ -155,7 +158,9 @@ def declared_ambient(vehicle: Vehicle, masses: Mapping[str, float] | None = None
 
 def absolute_force(vehicle: Vehicle) -> float:
     """The absolute accuracy of all thrusts [N], or what is assumed where none is stated."""
-    return sum(t.accuracy.absolute for t in vehicle.thrusters) or ASSUMED_ACCURACY * vehicle.hull.mass
+    # A moment at a long arm is no force.
+    forces = [t for t in vehicle.thrusters if t.own and np.hypot(*t.position) < FAR * hull_length(vehicle)]
+    return sum(t.accuracy.absolute for t in forces) or ASSUMED_ACCURACY * vehicle.hull.mass
 
 
 def lightest(vehicle: Vehicle, masses: Mapping[str, float]) -> dict[str, float]:

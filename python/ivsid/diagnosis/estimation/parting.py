@@ -3,7 +3,7 @@
 A filter follows a compass that is drawn aside for half a minute, or a position that drifts with reflected signals, and its prediction errors are small. What
 the change of the one and the sum of the other differ by over some seconds holds all of it, and no model of the vehicle.
 
-Source: docs/theory.md, "Scatter".
+Source: docs/theory.md, "Readings that part".
 """
 
 from __future__ import annotations
@@ -51,26 +51,33 @@ def _found(predictor: Predictor, states: FilteredStates) -> Iterator[tuple[str, 
     if log.psi is None or sensors.heading is None:
         return
     psi, off = log.psi - wrong.get("psi", 0.0), sensors.heading.accuracy
-    if sensors.yaw_rate is not None and not log.turned:
-        slow, noise = _drift(sensors.yaw_rate), SIGMAS * sensors.yaw_rate.random_walk
+    off += log.steps.get("psi", 0.0)
+    # Where neither a noise nor a bound is stated, readings may scatter by anything.
+    gyro = sensors.yaw_rate
+    if gyro is not None and (gyro.accuracy or gyro.random_walk) and not log.turned:
+        slow, noise = _drift(gyro, float(log.t[-1] - log.t[0])), SIGMAS * gyro.random_walk
         yield HEADING, [_worst(predictor, psi, r, 2 * off + slow * s + noise * np.sqrt(s), s) for s in OVER]
     if log.place is not None and sensors.position is not None and sensors.velocity is not None:
         c, s = np.cos(psi), np.sin(psi)
         speed = float(np.hypot(u, v).max())
         velocity = sensors.velocity
         # Errors across and along the hull, and those of the direction.
-        rate = np.sqrt(2.0) * velocity.accuracy + (velocity.scale_factor_error + off) * speed
+        rate = (
+            np.sqrt(2.0) * velocity.accuracy + (velocity.scale_factor_error + velocity.rotation_accuracy + off) * speed
+        )
+        rate += velocity.position_accuracy * float(np.abs(r).max())
         pairs = zip(log.place, (u * c - v * s, u * s + v * c), strict=True)
-        allowed = [2 * sensors.position.accuracy + rate * s for s in OVER]
+        place = sensors.position.accuracy + max(log.steps.get(q, 0.0) for q in "xy")
+        allowed = [2 * place + rate * s for s in OVER]
         yield (
             PLACE,
             [_worst(predictor, x, q, a, s) for x, q in pairs for a, s in zip(allowed, OVER, strict=True)],
         )
 
 
-def _drift(gyro: InertialSensor) -> float:
-    """The bound of a slow error of a gyro [rad/s]."""
-    return gyro.accuracy + SIGMAS * gyro.axis(0)[0]
+def _drift(gyro: InertialSensor, time: float) -> float:
+    """The bound of a slow error of a gyro over a log of so long [rad/s]."""
+    return gyro.accuracy + SIGMAS * (gyro.axis(0)[0] + gyro.rate_random_walk * float(np.sqrt(time)))
 
 
 def _worst(predictor: Predictor, x: Array, rate: Array, allowed: float, time: float) -> float:

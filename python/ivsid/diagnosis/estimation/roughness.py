@@ -223,6 +223,8 @@ def _of_thrusts(predictor: Predictor) -> Array:
     vehicle, propulsion = predictor.vehicle, predictor.propulsion
     out = np.zeros(3)
     for k, (thruster, errors) in enumerate(zip(vehicle.thrusters, propulsion.errors, strict=True)):
+        if not thruster.own:
+            continue
         size = errors.bound(propulsion.demands[k])
         angle, (x, y) = predictor.driving.turned[k, : size.size], thruster.position
         c, s = np.cos(angle), np.sin(angle)

@@ -1,6 +1,6 @@
 """What demands in lost rows may move the velocities by: jumps that no row of the log shows.
 
-Source: docs/theory.md, "Prediction".
+Source: docs/theory.md, "Lost rows".
 """
 
 from __future__ import annotations

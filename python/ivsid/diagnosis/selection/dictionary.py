@@ -97,7 +97,8 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
             "change of thrust": force - before,
             "t thrust": t * force,
         }
-        for k, thruster in enumerate(predictor.vehicle.thrusters[:THRUSTERS]):
+        own = [(k, t) for k, t in enumerate(predictor.vehicle.thrusters) if t.own]
+        for k, thruster in own[:THRUSTERS]:
             functions[thruster.words.removeprefix("the ")] = p.thrusts[k] / size
     if predictor.log.psi is not None:
         cosine, sine = np.cos(p.psi), np.sin(p.psi)

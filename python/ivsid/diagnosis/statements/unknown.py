@@ -31,6 +31,8 @@ def _read(regressor: str) -> str:
     """A clause on what the strongest regressor suggests."""
     if regressor.startswith("thrust of "):
         return f"; {_SUGGESTED['thrust']}"
+    if regressor.startswith("known "):
+        return "; it goes with a known force, as an error of that force does"
     words = re.split(r"[ ^|]+", regressor)
     return f"; {next((said for word, said in _SUGGESTED.items() if word in words), _MOTION)}"
 
@@ -121,7 +123,7 @@ def unknown(
         where = " and ".join(f"{name} (fitted at {most:.1f} times its accuracy)" for name, most in left.outside)
         text = (
             "the errors that the model leaves follow the motion, and no thrust curve inside the stated accuracy takes them: either "
-            f"{where or 'the thrust'} differs from its curve by more than the stated accuracy, or a force that the model lacks goes with the demands; "
+            f"{where or 'the thrust'} is off by more than the stated accuracy, or a force that the model lacks goes with the demands; "
             "all masses and drags may be wrong with it; a bollard test of the thrust tells the two apart"
         )
     if not left.sensed and left.misread is not None:

@@ -88,3 +88,15 @@ def test_a_corner_is_no_outlier_and_a_spike_is():
     assert not outliers(x).any()
     x[30] += 1.0
     assert np.flatnonzero(outliers(x)).tolist() == [30]
+
+
+def test_a_heading_loses_single_samples_however_far_it_turns():
+    """A stranger's compass with spikes of 20 degrees was said to scatter by eleven times its accuracy; forty turns have a large deviation themselves."""
+    rng = np.random.default_rng(8)
+    t = 0.1 * np.arange(3000)
+    psi = 0.8 * t + 0.3 * np.sin(0.7 * t) + 0.01 * rng.standard_normal(t.size)
+    wrapped = np.mod(psi + np.pi, 2 * np.pi) - np.pi
+    assert not outliers(wrapped, turns=True).any()
+    spikes = [70, 801, 2207]
+    wrapped[spikes] += [0.4, -0.5, 2.8]
+    assert np.flatnonzero(outliers(wrapped, turns=True)).tolist() == spikes

@@ -114,8 +114,8 @@ def paced(log: Log, *, inside: bool) -> tuple[Log, float, int, list[str]]:
     if rare:
         notes.append(f"{', '.join(rare)} come too rarely to be used")
     columns = {k: x for k, x in log.columns.items() if k not in rare}
-    for name in ("u", "v", "r", "x", "y"):
-        if name in columns and (wild := outliers(columns[name])).any():
+    for name in ("u", "v", "r", "x", "y", "psi"):
+        if name in columns and (wild := outliers(columns[name], turns=name == "psi")).any():
             columns[name] = np.where(wild, np.nan, columns[name])
             notes.append(f"{int(wild.sum())} samples of {name} stand far out from both neighbours and are left out")
     return replace(log, columns=columns), h, count, notes

@@ -1,4 +1,4 @@
-"""Single samples of velocities and places that no motion explains."""
+"""Single samples of velocities, places and headings that no motion explains."""
 
 from __future__ import annotations
 
@@ -28,20 +28,21 @@ ABOVE_NEIGHBOURS: Final = 1.5
 BEYOND_BOTH: Final = 0.5
 
 
-def outliers(x: Array) -> NDArray[np.bool_]:
-    """The samples of a velocity or a place that stand far beyond both neighbours, shape (n,).
+def outliers(x: Array, *, turns: bool = False) -> NDArray[np.bool_]:
+    """The samples of a velocity, a place or a heading that stand far beyond both neighbours, shape (n,).
 
     An outlier lies beyond both neighbours on the same side. A force that jumps moves a sample far from the midpoint of its neighbours,
     too, but next to one of them. Accelerations are no subject: they may jump and come back.
 
     Args:
         x: readings, NaN where one is missing, shape (n,).
+        turns: whether it is a heading [rad], which has no sharp corners and may turn by any number of turns.
     """
     there = np.flatnonzero(np.isfinite(x))
     found = np.zeros(x.size, dtype=bool)
     if there.size < FEWEST:
         return found
-    values = x[there]
+    values = np.unwrap(x[there]) if turns else x[there]
     before, after = values[1:-1] - values[:-2], values[1:-1] - values[2:]
     off, beyond = np.zeros(there.size), np.zeros(there.size)
     off[1:-1] = 0.5 * np.abs(before + after)
@@ -49,6 +50,6 @@ def outliers(x: Array) -> NDArray[np.bool_]:
     usual = float(np.quantile(off, USUAL))
     highest = off > ABOVE_NEIGHBOURS * np.maximum(np.r_[0.0, off[:-1]], np.r_[off[1:], 0.0])
     if usual > 0:
-        far = off > max(THRESHOLD * usual, LEAST_SHARE * float(values.std()))
+        far = off > max(THRESHOLD * usual, 0.0 if turns else LEAST_SHARE * float(values.std()))
         found[there] = far & highest & (beyond > BEYOND_BOTH * off)
     return found

@@ -11,7 +11,9 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.noise import absolute_force, declared_ambient
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.statements.diagnosis import extended_vehicle
+from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.effects import EFFECTS, terms_of
 from ivsid.vehicle import parse_vehicle, with_known_forces
 
@@ -78,3 +80,13 @@ def test_a_known_force_is_as_accurate_as_it_is_stated_once():
     assert absolute_force(with_known_forces(whole)) == pytest.approx(2 * whole.sensors.force.accuracy)
     turned = parse_vehicle(HULL + SENSORS + "[sensors.moment]\naccuracy = 0.3\n", "turned.toml")
     assert absolute_force(with_known_forces(turned)) == absolute_force(turned) > 0.1
+
+
+def test_sentences_on_known_forces_speak_of_no_curve():
+    """Errors of three times the stated accuracy: what is off, and the test that shows it."""
+    log = known(train_of(vehicle_of()))
+    push = log.columns["force_X"]
+    wrong = replace(log, columns={**log.columns, "force_X": push + 4.0 * np.sin(0.3 * push)})
+    left = screened(pushed(), wrong).fit
+    text = unknown(adequacy(left), []).description
+    assert "known force_X" in text and not any(word in text for word in ("curve", "bollard", "thruster"))

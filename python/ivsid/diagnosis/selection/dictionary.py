@@ -17,9 +17,12 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.effects import CHANNELS
 from ivsid.linear.filters import decaying
+from ivsid.vehicle import KnownForce
 
 Array = NDArray[np.float64]
 SYMBOLS: Final = re.compile(r"[a-z]+")
+# What forces that the log holds are called, in the place of thrusts.
+KNOWN: Final = "known force"
 # Thrusters that have regressors of their own.
 # Source: resource: each adds three columns
 THRUSTERS: Final = 4
@@ -90,14 +93,15 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
         size = max(float(np.sqrt(np.mean(total**2))), 1e-9)
         force = total / size
         before = np.concatenate([np.r_[force[0], force[: n - 1]], np.r_[force[n], force[n:-1]]])
-        functions |= {
-            "thrust": force,
-            "thrust^2": force * np.abs(force),
-            "thrust u": force * a,
-            "change of thrust": force - before,
-            "t thrust": t * force,
-        }
         own = [(k, t) for k, t in enumerate(predictor.vehicle.thrusters) if t.own]
+        name = KNOWN if any(isinstance(t, KnownForce) for _, t in own) else "thrust"
+        functions |= {
+            name: force,
+            f"{name}^2": force * np.abs(force),
+            f"{name} u": force * a,
+            f"change of {name}": force - before,
+            f"t {name}": t * force,
+        }
         for k, thruster in own[:THRUSTERS]:
             functions[thruster.words.removeprefix("the ")] = p.thrusts[k] / size
     if predictor.log.psi is not None:

@@ -61,7 +61,7 @@ def hints(fit: Fit) -> tuple[str, ...]:
         if _shown(fit, own):
             most = far.get(thruster.name, 0.0)
             where = (
-                f"as estimated by up to {most:.1f} times its accuracy, and a curve inside it fits as well unless a finding says otherwise"
+                f"as estimated by up to {most:.1f} times its accuracy, and one inside it fits as well unless a finding says otherwise"
                 if most > OVERSHOOT
                 else "inside its accuracy"
             )

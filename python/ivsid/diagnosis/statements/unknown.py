@@ -31,7 +31,7 @@ def _read(regressor: str) -> str:
     """A clause on what the strongest regressor suggests."""
     if regressor.startswith("thrust of "):
         return f"; {_SUGGESTED['thrust']}"
-    if regressor.startswith("known "):
+    if "known" in regressor:
         return "; it goes with a known force, as an error of that force does"
     words = re.split(r"[ ^|]+", regressor)
     return f"; {next((said for word, said in _SUGGESTED.items() if word in words), _MOTION)}"
@@ -58,28 +58,36 @@ def _rough(left: Adequacy) -> Iterator[tuple[str, str]]:
     )
 
 
-def _scattered(left: Adequacy) -> Iterator[tuple[str, str]]:
-    """The channel in which readings act that scatter beyond their stated accuracy, and a clause on them."""
-    name, times = left.scattered
-    if times > SCATTERED:
-        read, channel = READ[name]
-        yield (
-            channel,
-            f"the readings of {read} scatter about the motion by at least {times:.2g} times their stated accuracy: the sensor is worse than it states, or "
-            "its readings jump, as a position does by reflected signals",
-        )
+def _read_wrong(left: Adequacy) -> Iterator[tuple[str, str]]:
+    """The channel in which readings act that scatter, or part from one another, beyond their stated accuracies, and a clause on them."""
+    asked = (
+        (
+            left.scattered,
+            SCATTERED,
+            READ,
+            "the readings of {} scatter about the motion by at least {:.2g} times their stated accuracy: the sensor is worse than it states, or its readings "
+            "jump, as a position does by reflected signals",
+        ),
+        (
+            left.parted,
+            PARTED,
+            APART,
+            "{} part by {:.2g} times what their stated accuracies allow over some seconds: one of the sensors is worse than it states, or wrong for a while, "
+            "as a compass is near steel, a position in reflected signals and a velocity that is lost and kept",
+        ),
+    )
+    for (name, times), limit, words, sentence in asked:
+        if times > limit:
+            read, channel = words[name]
+            yield channel, sentence.format(read, times)
 
 
-def _parted(left: Adequacy) -> Iterator[tuple[str, str]]:
-    """The channel in which readings act that follow from one another and part beyond their stated accuracies, and a clause on them."""
-    name, times = left.parted
-    if times > PARTED:
-        read, channel = APART[name]
-        yield (
-            channel,
-            f"{read} part by {times:.2g} times what their stated accuracies allow over some seconds: one of the sensors is worse than it states, or wrong "
-            "for a while, as a compass is near steel, a position in reflected signals and a velocity that is lost and kept",
-        )
+def _of_force(left: Adequacy) -> tuple[str, str]:
+    """What of the forces leaves its bound, and the test that shows it: of thrusts, or of forces that the log holds."""
+    known = any(name.startswith("the known ") for name, _ in left.outside)
+    return (
+        ("error of a known force", "a gauge beside it") if known else ("thrust curve", "a bollard test of the thrust")
+    )
 
 
 def _passed(imitated: Collection[str], faint: Collection[str]) -> Iterator[str]:
@@ -121,10 +129,11 @@ def unknown(
         if left.pushed and left.leaving > left.strongest[0][2]:
             channel, z = left.pushed, float(np.sqrt(left.leaving))
         where = " and ".join(f"{name} (fitted at {most:.1f} times its accuracy)" for name, most in left.outside)
+        what, test = _of_force(left)
         text = (
-            "the errors that the model leaves follow the motion, and no thrust curve inside the stated accuracy takes them: either "
+            f"the errors that the model leaves follow the motion, and no {what} inside the stated accuracy takes them: either "
             f"{where or 'the thrust'} is off by more than the stated accuracy, or a force that the model lacks goes with the demands; "
-            "all masses and drags may be wrong with it; a bollard test of the thrust tells the two apart"
+            f"all masses and drags may be wrong with it; {test} tells the two apart"
         )
     if not left.sensed and left.misread is not None:
         name, most, _ = left.misread
@@ -137,7 +146,7 @@ def unknown(
             channel, z, text = said.channel, float(np.sqrt(most.fall)), wrong
         else:
             text += f"; {wrong}"
-    if odd := [*_rough(left), *_scattered(left), *_parted(left)]:
+    if odd := [*_rough(left), *_read_wrong(left)]:
         rest = [said for _, said in odd]
         if left.white and left.in_bounds:
             channel, z, text = odd[0][0], 0.0, "; ".join(rest)

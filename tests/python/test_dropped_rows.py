@@ -143,3 +143,29 @@ def test_an_empty_cell_beside_a_loss_hides_no_jump():
     keep = np.arange(t.size) != 30
     log = Log("x.csv", "0" * 64, t[keep], {"demand_step": step[keep]})
     np.testing.assert_allclose(LostRows(log).demands([["demand_step"]], t).jump, [[0.05]])
+
+
+@pytest.mark.parametrize("cells", ["uv", pytest.param("every", marks=pytest.mark.nightly)])
+def test_a_sound_log_with_empty_cells_is_sound(cells):
+    """Rows without any reading, whose demands are known: an acceleration between its neighbours is none of the moment, and a delay had a name."""
+    log = sailed(200.0, 3, 0.0, 0.1, False)
+    keep = np.random.default_rng(SEED).uniform(size=log.t.size) >= 0.1
+    empty = {"uv": "uv", "every": [k for k in log.columns if not k.startswith("demand")]}[cells]
+    found = screened(
+        craft(),
+        replace(log, columns={k: np.where(keep, x, np.nan) if k in empty else x for k, x in log.columns.items()}),
+    )
+    assert found.passed == [] and found.quiet
+    # Readings at their own rows stay there where velocities alone are missing.
+    assert isinstance(found.fit.noise.predictor.log.between, Straddled) == (cells == "every")
+
+
+def test_losses_are_those_of_the_log_where_velocities_have_rows_of_their_own():
+    """A pose gives velocities between its rows; of a tenth of the rows a dozen losses were seen, and no jump."""
+    log = dropped(sailed(100.0, 3, 0.0))
+    x, y = (np.cumsum(q) * 0.1 for q in (log.columns["u"], log.columns["v"]))
+    posed = replace(log, columns={"x": x, "y": y, **{k: q for k, q in log.columns.items() if k not in "uvr"}})
+    vehicle = parse_vehicle(SUDDEN, "craft.toml")
+    of_pose, of_log = (channels(one, vehicle).lost.jump for one in (posed, log))
+    np.testing.assert_allclose(of_pose, of_log)
+    assert np.count_nonzero(of_pose) > 10

@@ -9,6 +9,7 @@ from diagnosis_logs import screened
 from ivsid.diagnosis.data import resampling
 from ivsid.diagnosis.data.between import Between, Straddled
 from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.data.lost_rows import LostRows
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 from test_slow_clock import CRAFT
@@ -177,7 +178,7 @@ def test_means_over_steps_of_irregular_rows_add_up():
     rates = rng.standard_normal(400)
     log = Log("means.csv", "0" * 64, rows, {"ax": rates})
     clock = np.arange(0.04, rows[-1], 0.08)
-    resample = resampling.Resampler(log, clock, 0.08, 2)
+    resample = resampling.Resampler(log, LostRows(log), clock, 0.08, 2)
     fine = (np.arange(80000) + 0.5) * (rows[-1] / 80000)
     for parts in (0, 4):
         at = rows if not parts else clock[0] + np.round((rows - clock[0]) / 0.02) * 0.02

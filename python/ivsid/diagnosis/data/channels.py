@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.data.between import Between, Straddled
 from ivsid.diagnosis.data.clock import RARE, check_usable, first_reading, paced
 from ivsid.diagnosis.data.from_pose import differenced
-from ivsid.diagnosis.data.lost_rows import LostDemands
+from ivsid.diagnosis.data.lost_rows import LostDemands, LostRows
 from ivsid.diagnosis.data.resampling import Resampler
 from ivsid.diagnosis.data.sensor_noise import scale_step, sensor_noise
 from ivsid.log import Log
@@ -153,6 +153,8 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     """
     vehicle = with_known_forces(vehicle)
     known = len(log.notes)
+    # Velocities of a pose get rows of their own.
+    lost = LostRows(log)
     log, _ = with_velocities(differenced(log), vehicle.sensors)
     check_usable(log)
     steps = {name: step for name, x in log.columns.items() if (step := scale_step(x))}
@@ -165,7 +167,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     # The first time has as many of its step's readings before it as after it; velocities that set the clock are read at its times.
     start = log.t[0] + 0.5 * (count - 1) * (h / count) if count > 1 else first_reading(log)
     clock = np.arange(int(np.floor((log.t[-1] - start) / h + WHOLE)) + 1) * h + start
-    resample = Resampler(log, clock, h, count)
+    resample = Resampler(log, lost, clock, h, count)
     nu = np.stack([resample(n) for n in ("u", "v", "r")])
     sensor = vehicle.sensors.acceleration
     averaged = sensor is not None and sensor.sampling == "averaged"
@@ -209,7 +211,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
         turned="r" in log.derived,
         earth=log.derived.get("u", ("",))[0] == "velocity_north",
         rates=(rates[0], rates[1]),
-        lost=resample.lost.demands(_columns(vehicle, log), clock),
+        lost=lost.demands(_columns(vehicle, log), clock),
     )
 
 

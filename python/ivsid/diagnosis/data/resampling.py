@@ -22,6 +22,9 @@ NEAREST: Final = 0.5
 # Beginnings of the names of columns that are sent, and stay in force.
 # Source: definition: docs/guide.md, "Columns of a log"
 SENT: Final = ("demand_", "azimuth_", "rudder_", "force_", "moment_")
+# Columns that are read, of which a velocity is always one.
+# Source: definition: docs/guide.md, "Columns of a log"
+READ: Final = frozenset({"u", "v", "r", "ax", "ay", "udot", "vdot", "rdot", "psi"})
 # Share of the rows off the clock from which on held demands are followed part by part: one step would take them for as much as a step late.
 # Source: definition: one in a hundred, as where a clock is uniform but for some rows
 STRAY: Final = 0.01
@@ -32,16 +35,15 @@ class Resampler:
 
     Attributes:
         log: with irregular times.
+        lost: its lost rows.
         clock: times of the uniform clock [s], shape (n,).
         h: its step [s].
         count: readings that are averaged over a step.
-        lost: rows that the log has lost.
         good: samples at which every channel asked for so far was measured, shape (n,).
     """
 
-    def __init__(self, log: Log, clock: Array, h: float, count: int = 1) -> None:
-        self.log, self.clock, self.h, self.count = log, clock, h, count
-        self.lost = LostRows(log)
+    def __init__(self, log: Log, lost: LostRows, clock: Array, h: float, count: int = 1) -> None:
+        self.log, self.lost, self.clock, self.h, self.count = log, lost, clock, h, count
         self.good = np.ones(clock.size, dtype=bool)
 
     def __call__(
@@ -96,8 +98,17 @@ class Resampler:
     def irregular(self) -> bool:
         """Whether rows stand off the times at which the clock has its readings, or readings lie between rows since their own were lost."""
         at = (self.log.t - self.clock[0]) * (self.count / self.h) + 0.5 * (self.count - 1)
-        off = np.count_nonzero(np.abs(at - np.round(at)) > SAME * self.count)
-        return bool((off + self.lost.t.size) / at.size > STRAY)
+        off = float(np.mean(np.abs(at - np.round(at)) > SAME * self.count))
+        return max(off, self._missing) > STRAY
+
+    @property
+    def _missing(self) -> float:
+        """Share of the times of readings at which nothing was read, and rows within a step stand for it; channels that are read elsewhere stay there."""
+        read = (self.clock + self.places[:, None] * self.h).ravel()
+        t = self.log.t[np.isfinite([x for name, x in self.log.columns.items() if name in READ]).any(axis=0)]
+        k = np.clip(np.searchsorted(t, read), 1, t.size - 1)
+        away = np.minimum(np.abs(read - t[k - 1]), np.abs(t[k] - read)) / self.h
+        return float(np.mean((away > SAME) & (away <= FARTHEST)))
 
     def neighbours(self, parts: int) -> tuple[Array, Array, NDArray[np.int64], NDArray[np.bool_]]:
         """Rows with velocities before and after each place of readings.

@@ -81,7 +81,7 @@ def learn(
         good = usable_rows(predictor)
         if good.sum() * predictor.log.h < LEAST:
             raise IvsidError(
-                f"{predictor.log.name}: after {settled_after(predictor):.0f} s in which its thrusters run up, and between its gaps, "
+                f"{predictor.log.name}: after {settled_after(predictor):.0f} s in which its thrusters run up, and between its gaps and lost rows, "
                 f"{good.sum() * predictor.log.h:.0f} s can be used, and a diagnosis needs {LEAST:.0f} s; give a longer log, or one with fewer missing samples"
             )
         noise = Noise(predictor, plain_scale(predictor.errors(states), good, predictor, left_out), good, left_out)

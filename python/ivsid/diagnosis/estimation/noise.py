@@ -332,12 +332,12 @@ def _unseen(predictor: Predictor) -> NDArray[np.bool_]:
     """Samples that a filter has not forgotten a jump before which a lost row may hide, shape (n,)."""
     log = predictor.log
     out = np.zeros(log.n, dtype=bool)
-    if log.lost is None:
-        return out
     if isinstance(log.between, Straddled):
         # A filter follows a reading that lies on a straight line over what nobody knows.
         kept = FORGOTTEN * max(axis.memory for axis in predictor.axes[:3]) + lags_of(log.h) * log.h
         out |= np.convolve(log.between.far, np.ones(round(min(SETTLING, kept) / log.h) + 1))[: log.n] > 0
+    if log.lost is None:
+        return out
     masses = lightest(predictor.vehicle, {})
     # The thrust is off while its lag lasts, and the whitening holds an error for its lags.
     longer = _lag(predictor.vehicle) * RUN_UP + lags_of(log.h) * log.h

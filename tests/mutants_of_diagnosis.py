@@ -274,6 +274,13 @@ DIAGNOSIS = (
         "test_roughness.py",
     ),
     python(
+        "memories that count beside little",
+        "diagnosis/statements/findings.py",
+        "memory=louder)",
+        "memory=True)",
+        "test_findings.py",
+    ),
+    python(
         "demands that hold over lost rows",
         "diagnosis/data/lost_rows.py",
         "np.insert(x, at, np.interp(lost, t, _turned(name, x)))",

@@ -27,7 +27,7 @@ def _made(monkeypatch):
         findings, "finding", lambda f, *_, **__: SimpleNamespace(effect=f.id, parameters={f.id: bound}, evidence={})
     )
     monkeypatch.setattr(findings, "own_columns", lambda *_: [])
-    monkeypatch.setattr(Adequacy, "beside", lambda rest, *_: rest.unexplained / 10)
+    monkeypatch.setattr(Adequacy, "beside", lambda rest, *_, **__: rest.unexplained / 10)
 
 
 def named(falls, left, *, complete=False, ids=IDS, terms=(), rule="dominant", chance=1e-12, louder=False):
@@ -59,6 +59,14 @@ def test_a_cause_beside_what_noise_of_few_frequencies_may_make_takes_three_times
     """A tenth of what is left acts in the channels of the cause."""
     assert named([9.0], 100.0, complete=True, chance=0.1) == [IDS[0]]
     assert named([31.0], 100.0, complete=True, chance=0.1, louder=True) == [IDS[0]]
+    assert named([29.0], 100.0, complete=True, chance=0.1, louder=True) == []
+
+
+def test_memories_count_beside_noise_of_few_frequencies_alone(monkeypatch):
+    """Of the shared log of a pitching hull they explain half of what is left in yaw, and the damping there was named by no finding."""
+    monkeypatch.setattr(Adequacy, "beside", lambda rest, *_, memory: rest.unexplained / (10 if memory else 20))
+    assert named([6.0], 100.0, complete=True) == [IDS[0]]
+    assert named([4.0], 100.0, complete=True) == []
     assert named([29.0], 100.0, complete=True, chance=0.1, louder=True) == []
 
 

@@ -6,7 +6,7 @@ Source: docs/theory.md, "Diagnosis".
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -22,7 +22,7 @@ from ivsid.diagnosis.null.frequencies import Scatter, Spectrum, as_rare, excess,
 from ivsid.diagnosis.null.leaving import Others, misread_of, thrusts
 from ivsid.diagnosis.null.own_past import FORETOLD
 from ivsid.diagnosis.plant.usual_hull import hull_length
-from ivsid.diagnosis.selection.dictionary import regressors
+from ivsid.diagnosis.selection.dictionary import MEMORY, regressors
 from ivsid.diagnosis.selection.hulls import Asked, asked_of_hulls
 from ivsid.effects import CHANNELS
 
@@ -66,6 +66,7 @@ class Adequacy:
         strongest: the three best single regressors with their channels and falls, the best first.
         chance_of_one: probability of the best single fall, over the whole dictionary.
         excess: fall beyond the number of directions, by channel.
+        of_now: the same of functions of the moment alone, without memories of the motion.
         leaving: fall of chi-squared where thrust errors may leave their bounds.
         knots: number of values of these errors that may.
         pushed: channel in which the thruster pushes whose error is farthest outside of its bound.
@@ -88,6 +89,7 @@ class Adequacy:
     strongest: tuple[tuple[str, str, float], ...]
     chance_of_one: float
     excess: Mapping[str, float]
+    of_now: Mapping[str, float] = field(default_factory=dict)
     leaving: float = 0.0
     knots: int = 0
     pushed: str = ""
@@ -188,21 +190,23 @@ class Adequacy:
             strongest=beside.strongest,
             chance_of_one=beside.chance_of_one,
             excess=beside.excess,
+            of_now=beside.of_now,
             alone=self.alone and beside.chance_of_one <= ALONE,
         )
 
-    def beside(self, fit: Fit, columns: Sequence[int]) -> float:
+    def beside(self, fit: Fit, columns: Sequence[int], *, memory: bool = True) -> float:
         """Excess in the channels where a cause acts, weighted by the energy of its signature in each.
 
         Args:
             fit: of the model.
             columns: of the cause.
+            memory: whether what memories of the motion explain counts. Where little is left a cause of the moment may be another one of the moment.
         """
         whole = max(self.fall - self.freedom, 0.0)
         energy = energy_of(fit, columns)
         if not energy.sum() > 0:
             return whole
-        by_row = [self.excess.get(c, whole) for c in fit.noise.predictor.channels]
+        by_row = [(self.excess if memory else self.of_now).get(c, whole) for c in fit.noise.predictor.channels]
         return float(energy @ np.array(by_row) / energy.sum())
 
 
@@ -331,11 +335,16 @@ def _structure(
         return beyond(fall, float(most(moved[:, which] @ theta))), int(keep.sum())
 
     fall, freedom = gained(real)
-    excess = {}
-    for axis in CHANNELS:
-        own, directions = gained(real & np.array([n.startswith(axis) for n in names]))
-        excess[axis] = max(own - directions, 0.0)
+
+    def beyond_directions(which: NDArray[np.bool_]) -> float:
+        own, directions = gained(real & which)
+        return max(own - directions, 0.0)
+
+    of_axis = {axis: np.array([n.startswith(axis) for n in names]) for axis in CHANNELS}
+    now = np.array([not n.endswith(MEMORY) for n in names])
+    excess = {axis: beyond_directions(own) for axis, own in of_axis.items()}
+    of_now = {axis: beyond_directions(own & now) for axis, own in of_axis.items()}
     order = np.argsort(-single)[:3]
     strongest = tuple((names[k].split("|", 1)[1], names[k].split("|", 1)[0], float(single[k])) for k in order)
     one = float(min(1.0, chdtrc(1, float(single.max())) * len(names)))
-    return Adequacy(fall, freedom, float(chdtrc(freedom, fall)), strongest, one, excess)
+    return Adequacy(fall, freedom, float(chdtrc(freedom, fall)), strongest, one, excess, of_now)

@@ -21,6 +21,8 @@ from ivsid.vehicle import KnownForce
 
 Array = NDArray[np.float64]
 SYMBOLS: Final = re.compile(r"[a-z]+")
+# Last word of the regressors that remember the motion.
+MEMORY: Final = "memory"
 # What forces that the log holds are called, in the place of thrusts.
 KNOWN: Final = "known force"
 # Thrusters that have regressors of their own.
@@ -139,7 +141,7 @@ def _memories(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:
         return
     along = np.split(fit.states.nudot[k], 2)
     wave = float(np.sqrt(hull_length(fit.noise.predictor.vehicle) / GRAVITY))
-    for times, name in zip(MEMORIES, ("memory", "long memory"), strict=True):
+    for times, name in zip(MEMORIES, (MEMORY, f"long {MEMORY}"), strict=True):
         decay = float(np.exp(-log.h / max(times * wave, LEAST_MEMORY * log.h)))
         faded = np.concatenate([decaying((1 - decay) * x, decay) for x in along])
         yield name, faded / max(float(np.sqrt(np.mean(faded**2))), 1e-9)

@@ -122,7 +122,9 @@ def findings_of(
         swaps = swapped(selection.found, found.id)
         said = partial(finding, found, last, selection.leftover, evidence, selection.curves, swaps)
         one = said(unknown=not rest.quiet)
-        left = nothing + (rest.beside(last, own_columns(last, found.id)) if complete else rest.unexplained)
+        left = nothing + (
+            rest.beside(last, own_columns(last, found.id), memory=louder) if complete else rest.unexplained
+        )
         case = _held(selection, found, one, rest, left, complete=complete, louder=louder)
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
         if refusal is None:

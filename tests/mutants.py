@@ -16,13 +16,14 @@ from pathlib import Path
 
 from tests.mutant import Mutant
 from tests.mutants_of_diagnosis import DIAGNOSIS
+from tests.mutants_of_estimation import ESTIMATION
 from tests.mutants_of_proofs import PROOFS
 from tests.mutants_of_results import RESULTS
 
 ROOT = Path(__file__).parents[1]
 # Seconds in which the tests of a mutant end; one that never ends is noticed as well.
 PATIENCE = 900
-MUTANTS = (*RESULTS, *DIAGNOSIS, *PROOFS)
+MUTANTS = (*RESULTS, *ESTIMATION, *DIAGNOSIS, *PROOFS)
 
 
 def copied(folder: Path) -> Path:

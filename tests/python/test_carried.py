@@ -161,7 +161,7 @@ def test_a_cause_that_does_not_dominate_what_is_left_leaves_unknown(monkeypatch)
     """A crew that walks about had a centre of gravity by name, beside twice what that explained; noise of few frequencies may make as much."""
     for name, value in (("probability", 1.0), ("statistic", 2.0), ("unexplained", 1e6)):
         monkeypatch.setattr(Adequacy, name, value)
-    monkeypatch.setattr(Adequacy, "beside", lambda *_: 1e6)
+    monkeypatch.setattr(Adequacy, "beside", lambda *_, **__: 1e6)
     vehicle = vehicle_of()
     found = diagnose(vehicle, *logs_of(vehicle, {"drag.surge.linear": 12.0}, duration=100.0), null_logs=0)
     assert [f.effect for f in found.findings] == ["unknown"] and found.findings[0].evidence["z"] > 5

@@ -144,6 +144,20 @@ ESTIMATION = (
         "test_parting.py",
     ),
     python(
+        "a sum of rates that misses nothing between samples",
+        "diagnosis/estimation/parting.py",
+        "moved / (allowed + more)",
+        "moved / allowed",
+        "test_parting.py",
+    ),
+    python(
+        "readings beside a lost one that count at their own rows",
+        "diagnosis/data/whole_rows.py",
+        "for name in beside}",
+        "for name in ()}",
+        "test_dropped_rows.py",
+    ),
+    python(
         "a late demand that acts all over its step",
         "diagnosis/plant/propulsion.py",
         "6.0 * share * (1.0 - share)",

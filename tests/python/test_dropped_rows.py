@@ -145,19 +145,33 @@ def test_an_empty_cell_beside_a_loss_hides_no_jump():
     np.testing.assert_allclose(LostRows(log).demands([["demand_step"]], t).jump, [[0.05]])
 
 
-@pytest.mark.parametrize("cells", ["uv", pytest.param("every", marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("cells", ["uv", "single", pytest.param("every", marks=pytest.mark.nightly)])
 def test_a_sound_log_with_empty_cells_is_sound(cells):
-    """Rows without any reading, whose demands are known: an acceleration between its neighbours is none of the moment, and a delay had a name."""
+    """Rows without some reading, whose demands are known: an acceleration between its neighbours is none of the moment, and a delay had a name."""
     log = sailed(200.0, 3, 0.0, 0.1, False)
-    keep = np.random.default_rng(SEED).uniform(size=log.t.size) >= 0.1
-    empty = {"uv": "uv", "every": [k for k in log.columns if not k.startswith("demand")]}[cells]
-    found = screened(
-        craft(),
-        replace(log, columns={k: np.where(keep, x, np.nan) if k in empty else x for k, x in log.columns.items()}),
-    )
+    rng = np.random.default_rng(SEED)
+    keep, read = rng.uniform(size=log.t.size) >= 0.1, [k for k in log.columns if not k.startswith("demand")]
+    lost = {
+        "uv": {"u": keep, "v": keep},
+        "every": dict.fromkeys(read, keep),
+        "single": {k: rng.uniform(size=keep.size) >= 0.03 for k in read},
+    }
+    empty = {k: np.where(there, log.columns[k], np.nan) for k, there in lost[cells].items()}
+    found = screened(craft(), replace(log, columns=log.columns | empty))
     assert found.passed == [] and found.quiet
-    # Readings at their own rows stay there where velocities alone are missing.
-    assert isinstance(found.fit.noise.predictor.log.between, Straddled) == (cells == "every")
+    assert isinstance(found.fit.noise.predictor.log.between, Straddled)
+
+
+def test_velocities_that_a_rarer_sensor_lost_are_no_structure():
+    """A Doppler log every third row lost a fifth of its pings: what a gyro and an accelerometer read in these rows counted at other times than it."""
+    log = sailed(300.0, 3, 0.0, 0.1, False)
+    row = np.arange(log.t.size)
+    pinged = (row % 3 == 0) & ((np.random.default_rng(SEED).uniform(size=row.size) >= 0.2) | (row == 0))
+    pings = {k: np.where(pinged, log.columns[k], np.nan) for k in "uv"}
+    found = screened(craft(), replace(log, columns=log.columns | pings))
+    assert found.passed == [] and found.quiet
+    assert found.fit.noise.predictor.log.h == pytest.approx(0.3)
+    assert found.fit.noise.predictor.log.good.mean() > 0.9
 
 
 def test_losses_are_those_of_the_log_where_velocities_have_rows_of_their_own():

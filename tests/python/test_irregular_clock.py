@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from diagnosis_logs import screened
 from ivsid.diagnosis.data import resampling
-from ivsid.diagnosis.data.between import Between, Straddled
+from ivsid.diagnosis.data.between import Between, Rows, Straddled
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.data.lost_rows import LostRows
 from ivsid.log import Log
@@ -154,8 +154,8 @@ def test_readings_on_straight_lines_between_irregular_rows(seed, readings):
     parts = of_part[2 * count : (n + 2) * count].reshape(1, n, count)
     at = np.searchsorted(rows, wanted + 1e-9, side="right") - 1
     own = np.clip(np.round(np.concatenate([rows[at], rows[at + 1]]) * count).astype(int), 0, n * count - 1)
-    none = np.zeros(wanted.shape, dtype=bool)
-    between = Straddled.of(Between(parts, parts, parts), places, wanted - rows[at], rows[at + 1] - wanted, own, none)
+    around = Rows(wanted - rows[at], rows[at + 1] - wanted, own, np.zeros(wanted.shape, dtype=bool))
+    between = Straddled.of(Between(parts, parts, parts), places, around, around)
     # A row farther away than a step counts as one a step away.
     near = (np.maximum(clock - rows[at], rows[at + 1] - clock) <= 1.0).all(axis=0)
     moved = between.moved(parts, parts[:, 0, 0])[0]

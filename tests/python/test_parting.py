@@ -8,6 +8,7 @@ import pytest
 from diagnosis_logs import train_of, vehicle_of
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation import parting
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.estimation.parting import HEADING, PLACE, parted
@@ -88,6 +89,21 @@ def test_the_number_is_what_is_allowed_by_hand():
     assert parted_of(exact(0.3))[HEADING] == pytest.approx(0.3 / allowed, rel=1e-3)
     # Nothing is said over a gap, in which a vehicle may turn by anything.
     assert parted_of(exact(0.3, 50.0, range(480, 520)))[HEADING] == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_rate_that_jumps_inside_the_steps_of_a_rare_clock_is_no_heading_that_parts(monkeypatch):
+    """Velocities of every third row set the clock: a sum over it misses up to a step of each jump, and sound logs of strangers were `unknown`."""
+    t = 0.1 * np.arange(1200)
+    r = np.repeat(np.random.default_rng(3).uniform(-0.6, 0.6, 200), 6)[: t.size]
+    psi = np.r_[0.0, np.cumsum(0.1 * r)[:-1]]
+    log = exact()
+    columns = (
+        log.columns | {"r": r, "psi": psi} | {k: np.where(np.arange(t.size) % 3, np.nan, log.columns[k]) for k in "uv"}
+    )
+    rare = replace(log, columns={k: x for k, x in columns.items() if k not in "xy"})
+    assert parted_of(rare)[HEADING] < 0.8
+    monkeypatch.setattr(parting, "_missed", lambda rate, h: np.zeros_like(rate))
+    assert parted_of(rare)[HEADING] > PARTED
 
 
 def test_a_gyro_that_states_nothing_may_scatter_by_anything():

@@ -94,45 +94,74 @@ class Between:
 
 
 @dataclass(frozen=True)
+class Rows:
+    """Rows of a log before and after each place of readings.
+
+    Attributes:
+        back: times from the places back to the rows before [steps], shape (readings, n).
+        on: times on to the rows after [steps], shape (readings, n).
+        at: parts, from the first one on, with the demands that are in force at all rows before and then at all rows after, shape (2 readings, n).
+        lost: whether there are lost rows between both, shape (readings, n).
+    """
+
+    back: Array
+    on: Array
+    at: NDArray[np.int64]
+    lost: NDArray[np.bool_]
+
+    def nearer(self, readings: int) -> tuple[Array, Array, Array]:
+        """``back`` and ``on``, at most a step each, and the weights of all rows before and after in the mean of so many readings, shape (2 readings, n).
+
+        A row farther away counts as one a step away, with the weight of that: the times of a reading's rows have its own as their mean.
+        """
+        back, on = np.clip([self.back, self.on], 0.0, 1.0)
+        whole = back + on
+        before = np.where(whole > 0, on / np.where(whole > 0, whole, 1.0), 1.0)
+        return back, on, np.concatenate([before, 1.0 - before]) / readings
+
+
+@dataclass(frozen=True)
 class Straddled(Between):
     """The same where each reading of a sample lies on the straight line between a row before it and one after it, at irregular times.
 
     Attributes:
-        times: from each sample to the rows of its readings, in steps, at most one either way, shape (rows, n).
-        weights: of the rows in the sample, shape (rows, n).
-        at: parts, from the first one on, with the demands that are in force at the rows, shape (rows, n).
+        times: from each sample to the rows of its velocities, in steps, at most one either way, shape (rows, n).
+        weights: of these rows in the sample, shape (rows, n).
+        felt: weights of the rows of its accelerations, shape (rows, n).
+        at: parts, from the first one on, with the demands that are in force at the latter, shape (rows, n).
         far: samples with a reading over lost rows that lies between rows farther away than a step, shape (n,).
     """
 
     times: Array = field(kw_only=True)
     weights: Array = field(kw_only=True)
+    felt: Array = field(kw_only=True)
     at: NDArray[np.int64] = field(kw_only=True)
     far: NDArray[np.bool_] = field(kw_only=True)
 
     @classmethod
-    def of(
-        cls, between: Between, places: Array, back: Array, on: Array, at: NDArray[np.int64], lost: NDArray[np.bool_]
-    ) -> Self:
+    def of(cls, between: Between, places: Array, read: Rows, felt: Rows) -> Self:
         """The same demands and angles, with the rows of irregular readings.
 
         Args:
             between: at a regular clock.
             places: of the readings, from their sample [steps], shape (readings,).
-            back: from each of them back to the row before it [steps], shape (readings, n).
-            on: from each of them on to the row after it [steps], shape (readings, n).
-            at: as of the class.
-            lost: whether these rows have lost ones between them, shape (readings, n).
+            read: rows of velocities around them.
+            felt: rows of accelerations around them.
         """
-        away = np.maximum(np.abs(places[:, None] - back), np.abs(places[:, None] + on))
-        far = np.any(lost & (away > FARTHEST), axis=0)
-        # A row farther away counts as one a step away, with the weight of that: the times of a reading's rows have its own as their mean.
-        back, on = np.clip([back, on], 0.0, 1.0)
-        whole = back + on
-        before = np.where(whole > 0, on / np.where(whole > 0, whole, 1.0), 1.0)
-        times = np.concatenate([places[:, None] - back, places[:, None] + on])
-        weights = np.concatenate([before, 1.0 - before]) / len(places)
-        times = np.clip(times, -1.0, 1.0)
-        return cls(between.demands, between.angles, between.rudders, times=times, weights=weights, at=at, far=far)
+        away = np.maximum(np.abs(places[:, None] - read.back), np.abs(places[:, None] + read.on))
+        far = np.any(read.lost & (away > FARTHEST), axis=0)
+        back, on, weights = read.nearer(len(places))
+        times = np.clip(np.concatenate([places[:, None] - back, places[:, None] + on]), -1.0, 1.0)
+        return cls(
+            between.demands,
+            between.angles,
+            between.rudders,
+            times=times,
+            weights=weights,
+            felt=felt.nearer(len(places))[2],
+            at=felt.at,
+            far=far,
+        )
 
     @property
     def apart(self) -> bool:
@@ -141,7 +170,7 @@ class Straddled(Between):
 
     def sampled(self, x: Array) -> Array:
         """As of ``Between``."""
-        first, *others = (w * x[..., k] for w, k in zip(self.weights, self.at, strict=True))
+        first, *others = (w * x[..., k] for w, k in zip(self.felt, self.at, strict=True))
         return np.asarray(sum(others, first))
 
     @cached_property

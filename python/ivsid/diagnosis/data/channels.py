@@ -13,8 +13,9 @@ from ivsid.diagnosis.data.between import Between, Straddled
 from ivsid.diagnosis.data.clock import RARE, check_usable, first_reading, paced
 from ivsid.diagnosis.data.from_pose import differenced
 from ivsid.diagnosis.data.lost_rows import LostDemands, LostRows
-from ivsid.diagnosis.data.resampling import Resampler
+from ivsid.diagnosis.data.resampling import ACCELERATIONS, VELOCITIES, Resampler
 from ivsid.diagnosis.data.sensor_noise import scale_step, sensor_noise
+from ivsid.diagnosis.data.whole_rows import whole_rows
 from ivsid.log import Log
 from ivsid.sensors.lever_arms import at_origin
 from ivsid.sensors.pose import with_velocities
@@ -164,13 +165,14 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     fixed = all(t.steering == "fixed" and t.rudder is None for t in vehicle.thrusters)
     made = log.notes[known:]
     log, h, count, notes = paced(log, inside=held and fixed)
+    sensor = vehicle.sensors.acceleration
+    averaged = sensor is not None and sensor.sampling == "averaged"
+    log = whole_rows(log, averaged=averaged)
     # The first time has as many of its step's readings before it as after it; velocities that set the clock are read at its times.
     start = log.t[0] + 0.5 * (count - 1) * (h / count) if count > 1 else first_reading(log)
     clock = np.arange(int(np.floor((log.t[-1] - start) / h + WHOLE)) + 1) * h + start
     resample = Resampler(log, lost, clock, h, count)
-    nu = np.stack([resample(n) for n in ("u", "v", "r")])
-    sensor = vehicle.sensors.acceleration
-    averaged = sensor is not None and sensor.sampling == "averaged"
+    nu = np.stack([resample(n) for n in VELOCITIES])
     between = _inside_steps(vehicle, resample, fixed=fixed) if held else None
     since = None if not averaged else 0 if between is None else between.demands.shape[2]
     ax, ay, rdot = (resample.optional(n, since=since) for n in ("ax", "ay", "rdot"))
@@ -251,17 +253,22 @@ def _inside_steps(vehicle: Vehicle, resample: Resampler, *, fixed: bool) -> Betw
         fixed: whether no thruster turns.
     """
     h, count, period = resample.h, resample.count, resample.log.period
-    slower, astray = h > RARE * period, resample.irregular
+    # Rows inside the steps of a slower clock stand off it wherever they come from.
+    slower = h > RARE * period
+    astray = resample.between_rows if slower and count == 1 else resample.irregular
     bent = fixed and any(h > _long(t) and (t.time_constant or 0.0) < EVEN * h for t in vehicle.thrusters)
     if not (slower or astray or bent):
         return None
     if slower and not (astray and count > 1):
         # Times between two samples cut the steps of the log in half.
         parts = min(int(np.ceil(h / period - WHOLE)) * (2 - count % 2), MOST_PARTS)
+    else:
+        parts = min(int(np.ceil(h / (PART_ASTRAY if astray else PART) - WHOLE)), MOST_PARTS)
+    if not astray:
         return _between(vehicle, resample, parts, _read(parts, count))
-    parts = min(int(np.ceil(h / (PART_ASTRAY if astray else PART) - WHOLE)), MOST_PARTS)
     between = _between(vehicle, resample, parts, (0,))
-    return Straddled.of(between, resample.places, *resample.neighbours(parts)) if astray else between
+    felt = next((name for name in ACCELERATIONS if name in resample.log.columns), "u")
+    return Straddled.of(between, resample.places, resample.rows("u", parts), resample.rows(felt, parts))
 
 
 def _read(parts: int, count: int) -> tuple[int, ...]:

@@ -64,10 +64,14 @@ def usual_step(log: Log, name: str) -> float:
     return float(np.median(np.diff(log.t[there]))) if there.sum() > 2 else 0.0
 
 
+def rarest_velocity(log: Log) -> str:
+    """The name of the velocity that is read most rarely."""
+    return max(("u", "v", "r"), key=lambda name: usual_step(log, name))
+
+
 def first_reading(log: Log) -> float:
     """The time of the first reading of the velocity that is read most rarely [s]."""
-    rarest = max(("u", "v", "r"), key=lambda name: usual_step(log, name))
-    return float(log.t[int(np.argmax(np.isfinite(log.columns[rarest])))])
+    return float(log.t[int(np.argmax(np.isfinite(log.columns[rarest_velocity(log)])))])
 
 
 def paced(log: Log, *, inside: bool) -> tuple[Log, float, int, list[str]]:

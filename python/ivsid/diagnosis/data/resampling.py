@@ -8,7 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ivsid.diagnosis.data.between import FARTHEST
+from ivsid.diagnosis.data.between import FARTHEST, Rows
+from ivsid.diagnosis.data.clock import usual_step
 from ivsid.diagnosis.data.lost_rows import SAME, LostRows
 from ivsid.log import Log
 
@@ -22,9 +23,10 @@ NEAREST: Final = 0.5
 # Beginnings of the names of columns that are sent, and stay in force.
 # Source: definition: docs/guide.md, "Columns of a log"
 SENT: Final = ("demand_", "azimuth_", "rudder_", "force_", "moment_")
-# Columns that are read, of which a velocity is always one.
+# Columns of velocities, and of accelerations.
 # Source: definition: docs/guide.md, "Columns of a log"
-READ: Final = frozenset({"u", "v", "r", "ax", "ay", "udot", "vdot", "rdot", "psi"})
+VELOCITIES: Final = ("u", "v", "r")
+ACCELERATIONS: Final = ("ax", "ay", "udot", "vdot", "rdot")
 # Share of the rows off the clock from which on held demands are followed part by part: one step would take them for as much as a step late.
 # Source: definition: one in a hundred, as where a clock is uniform but for some rows
 STRAY: Final = 0.01
@@ -99,38 +101,43 @@ class Resampler:
         """Whether rows stand off the times at which the clock has its readings, or readings lie between rows since their own were lost."""
         at = (self.log.t - self.clock[0]) * (self.count / self.h) + 0.5 * (self.count - 1)
         off = float(np.mean(np.abs(at - np.round(at)) > SAME * self.count))
-        return max(off, self._missing) > STRAY
+        return off > STRAY or self.between_rows
 
-    @property
-    def _missing(self) -> float:
-        """Share of the times of readings at which nothing was read, and rows within a step stand for it; channels that are read elsewhere stay there."""
-        read = (self.clock + self.places[:, None] * self.h).ravel()
-        t = self.log.t[np.isfinite([x for name, x in self.log.columns.items() if name in READ]).any(axis=0)]
-        k = np.clip(np.searchsorted(t, read), 1, t.size - 1)
-        away = np.minimum(np.abs(read - t[k - 1]), np.abs(t[k] - read)) / self.h
-        return float(np.mean((away > SAME) & (away <= FARTHEST)))
+    @cached_property
+    def between_rows(self) -> bool:
+        """Whether no velocity or no acceleration was read at times of readings, and rows within a step stand for it."""
+        read, columns = (self.clock + self.places[:, None] * self.h).ravel(), self.log.columns
+        for group in (VELOCITIES, ACCELERATIONS):
+            there = [np.isfinite(columns[name]) for name in group if name in columns]
+            if not there:
+                continue
+            t = self.log.t[np.any(there, axis=0)]
+            k = np.clip(np.searchsorted(t, read), 1, t.size - 1)
+            away = np.minimum(np.abs(read - t[k - 1]), np.abs(t[k] - read)) / self.h
+            if np.mean((away > SAME) & (away <= FARTHEST)) > STRAY:
+                return True
+        return False
 
-    def neighbours(self, parts: int) -> tuple[Array, Array, NDArray[np.int64], NDArray[np.bool_]]:
-        """Rows with velocities before and after each place of readings.
+    def rows(self, name: str, parts: int) -> Rows:
+        """Rows with readings of a column around each place of readings.
 
         Args:
-            parts: of a step.
-
-        Returns:
-            Times back to the row before and on to the row after [steps], shape (count, n) each, and the parts with the demands that are in force at all
-            rows before and then at all rows after, shape (2 count, n), and whether rows between both are lost, shape (count, n).
+            name: of the column.
+            parts: of a step, from which on demands are in force.
         """
-        read, t = self.clock + self.places[:, None] * self.h, self.log.t[np.isfinite(self.log.columns["u"])]
+        read, t = self.clock + self.places[:, None] * self.h, self.log.t[np.isfinite(self.log.columns[name])]
         k = np.clip(np.searchsorted(t, read, side="right") - 1, 0, t.size - 2)
-        rows = np.concatenate([t[k], t[k + 1]])
-        there = [x for name, x in self.log.columns.items() if name.startswith(SENT)]
+        around = np.concatenate([t[k], t[k + 1]])
+        there = [x for column, x in self.log.columns.items() if column.startswith(SENT)]
         sent = self.log.t[np.isfinite(there).any(axis=0)]
-        at = np.floor((rows - self.clock[0]) / (self.h / parts) + NEAREST).astype(np.int64)
+        at = np.floor((around - self.clock[0]) / (self.h / parts) + NEAREST).astype(np.int64)
         # A demand that was sent after a row, and begins at the same part, is not in force there.
         start = self.clock[0] + (at + NEAREST) * (self.h / parts)
-        at -= np.searchsorted(sent, start, side="right") > np.searchsorted(sent, rows, side="right")
-        lost = t[k + 1] - t[k] > APART * self.log.period
-        return (read - t[k]) / self.h, (t[k + 1] - read) / self.h, np.clip(at, 0, self.clock.size * parts - 1), lost
+        at -= np.searchsorted(sent, start, side="right") > np.searchsorted(sent, around, side="right")
+        lost = t[k + 1] - t[k] > APART * usual_step(self.log, name)
+        return Rows(
+            (read - t[k]) / self.h, (t[k + 1] - read) / self.h, np.clip(at, 0, self.clock.size * parts - 1), lost
+        )
 
     def between(self, name: str, parts: int) -> Array:
         """A held demand at equal parts of the steps of a clock that is slower than the log, shape (n, parts)."""

@@ -86,11 +86,21 @@ def _worst(predictor: Predictor, x: Array, rate: Array, allowed: float, time: fl
     lag, mean = round(time / log.h), max(1, round(MEAN / log.h))
     if log.n <= lag + mean or allowed <= 0:
         return 0.0
-    apart = x - log.h * np.r_[0.0, np.cumsum(0.5 * (rate[1:] + rate[:-1]))]
-    ends = uniform_filter1d(apart, mean)
+    ends, missed = (uniform_filter1d(q, mean) for q in (x - _sum(rate, log.h), _missed(rate, log.h)))
     lost = np.r_[0, np.cumsum(~log.good)]
     # A stretch counts where no sample of it, and of the means at its ends, is missing.
     first, last = np.arange(mean, log.n - lag - mean), np.arange(mean + lag, log.n - mean)
     whole = lost[last + mean] == lost[first - mean]
-    moved = np.abs(ends[last] - ends[first])[whole]
-    return float(moved.max(initial=0.0)) / allowed
+    moved, more = (np.abs(q[last] - q[first])[whole].max(initial=0.0) for q in (ends, missed))
+    return float(moved / (allowed + more))
+
+
+def _sum(rate: Array, h: float) -> Array:
+    """What a rate adds up to from the first sample on, over straight lines between samples, shape (n,)."""
+    return np.asarray(np.r_[0.0, h * np.cumsum(0.5 * (rate[1:] + rate[:-1]))])
+
+
+def _missed(rate: Array, h: float) -> Array:
+    """What such a sum may miss of a rate that bends inside the steps: as much as that over every other sample misses of it, shape (n,)."""
+    rarer = np.repeat(_sum(rate, h)[::2] - _sum(rate[::2], 2 * h), 2)
+    return np.asarray(rarer[: rate.size])

@@ -144,6 +144,13 @@ ESTIMATION = (
         "test_parting.py",
     ),
     python(
+        "a force that has to last for two seconds",
+        "diagnosis/estimation/roughness.py",
+        "APART: Final = (1.0, 2.0)",
+        "APART: Final = (2.0,)",
+        "test_roughness.py",
+    ),
+    python(
         "a sum of rates that misses nothing between samples",
         "diagnosis/estimation/parting.py",
         "moved / (allowed + more)",

@@ -19,7 +19,6 @@ from ivsid.diagnosis.data.sensor_noise import NORMAL_MEDIAN
 from ivsid.diagnosis.estimation.noise import (
     ASSUMED_ACCURACY,
     ASSUMED_ARM,
-    LAGS,
     absolute_force,
     declared_ambient,
     lightest,
@@ -43,6 +42,9 @@ MANY: Final = 8
 # Standard errors below the estimate that count as "at the least".
 # Source: definition: of twelve normal estimates three in a thousand lie below, over three axes one in a hundred logs
 ERRORS: Final = 3.0
+# Times after which slopes of readings over a second share no noise that adds to the covariance of both [s].
+# Source: geometry: a slope is the difference of two means over half a second; a second apart one begins where the other ends, which lowers it
+APART: Final = (1.0, 2.0)
 # Time after which readings of an accelerometer have nothing in common but a force [s].
 # Source: geometry: two samples at 10 Hz; a slam, or a blow of a propeller, lasts as long
 QUICK: Final = 0.2
@@ -61,7 +63,7 @@ def roughness(
 ) -> tuple[Array, Array]:
     """Ambient acceleration at the least over what is declared, by axis, shape (3,), and over the declared ambient force alone, shape (2, 3).
 
-    The latter is first that of what lasts for two seconds, by the scatter of all blocks, and then that of what accelerometers read.
+    The latter is first that of what lasts for a second or two, by the scatter of all blocks, and then that of what accelerometers read.
 
     Args:
         predictor: whose filters made the errors.
@@ -75,15 +77,17 @@ def roughness(
     inertia = np.array(list(least.values()))
     said = declared_ambient(vehicle, least)
     declared = np.array(said.deviation) if vehicle.ambient is not None else _undeclared(vehicle) / inertia
-    of_most, of_all = least_ambient(predictor, residual, rows, left_out)
     noisy = _of_states(predictor, states)
-    # Spells of quick turns scatter the blocks as spells of a force do.
-    found = np.maximum(np.sqrt(np.maximum(of_most**2 - noisy, 0.0)), of_all)
-    # An ambient force that forgets at the declared rate keeps this share of its deviation.
-    kept = np.exp(-0.5 * LAGS[0] / np.array(said.time))
     quick = quick_ambient(predictor, residual, rows, left_out, noisy)
-    most = np.maximum(found / kept, quick)
-    alone = np.stack([of_all, quick]) / declared if vehicle.ambient is not None else np.zeros((2, 3))
+    most, lasting = quick, np.zeros(3)
+    for time in APART:
+        of_most, of_all = least_ambient(predictor, residual, rows, left_out, time)
+        # Spells of quick turns scatter the blocks as spells of a force do.
+        found = np.maximum(np.sqrt(np.maximum(of_most**2 - noisy, 0.0)), of_all)
+        # An ambient force that forgets at the declared rate keeps this share of its deviation.
+        kept = np.exp(-0.5 * time / np.array(said.time))
+        most, lasting = np.maximum(most, found / kept), np.maximum(lasting, of_all)
+    alone = np.stack([lasting, quick]) / declared if vehicle.ambient is not None else np.zeros((2, 3))
     return most / np.hypot(declared, _of_thrusts(predictor) / inertia), alone
 
 
@@ -100,12 +104,12 @@ def rougher_alone(
     Arguments are those of ``roughness``, and the share of the thrusts' accuracy that the cells leave, which counts as declared.
 
     Returns:
-        What lasts for two seconds, by the scatter of all blocks, and what accelerometers read, as of ``roughness``, shape (2, 3).
+        What lasts for a second or two, by the scatter of all blocks, and what accelerometers read, as of ``roughness``, shape (2, 3).
     """
     least = lightest(predictor.vehicle, states.h.values)
     declared = np.array(declared_ambient(predictor.vehicle, least).deviation)
     thrusts = share * _of_thrusts(predictor) / np.array(list(least.values()))
-    _, of_all = least_ambient(predictor, residual, rows, left_out)
+    of_all = np.max([least_ambient(predictor, residual, rows, left_out, time)[1] for time in APART], axis=0)
     quick = quick_ambient(predictor, residual, rows, left_out, _of_states(predictor, states))
     return np.stack([of_all / np.hypot(declared, SPELLS * thrusts), quick / np.hypot(declared, thrusts)])
 
@@ -120,11 +124,11 @@ def _undeclared(vehicle: Vehicle) -> Array:
 
 
 def least_ambient(
-    predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int]
+    predictor: Predictor, residual: Array, rows: NDArray[np.bool_], left_out: frozenset[int], time: float
 ) -> tuple[Array, Array]:
     """Ambient acceleration of each axis at the least [m/s^2, rad/s^2], shape (3,); 0 where an axis is left out or a rudder pushes.
 
-    It is what lasts for two seconds: no force of any spectrum is less. A force in spells scatters the blocks itself, which is no doubt of its mean;
+    It is what lasts for some time: no force of any spectrum is less. A force in spells scatters the blocks itself, which is no doubt of its mean;
     where the accuracy of the thrusts does not count as declared it is one, since an error that jumps with the demand comes in spells as well.
 
     Args:
@@ -132,6 +136,7 @@ def least_ambient(
         residual: prediction errors without all that is explained, shape (rows, n).
         rows: samples that count, shape (n,).
         left_out: indices of the axes that are left out of a fit.
+        time: for which it lasts [s], one of ``APART``.
 
     Returns:
         By the scatter of most blocks, and by that of all.
@@ -141,7 +146,7 @@ def least_ambient(
         if _told(predictor, k, left_out):
             # Readings on a coarse scale are off by what the motion makes of it: a slope over a second by as much as two independent ones.
             rounded = predictor.log.steps.get("uvr"[k], 0.0) ** 2 / 6
-            out[:, k] = np.sqrt(np.maximum(_lasting(slope, good, LAGS[0], predictor.log.h) - rounded, 0.0))
+            out[:, k] = np.sqrt(np.maximum(_lasting(slope, good, time, predictor.log.h) - rounded, 0.0))
     return out[0], out[1]
 
 

@@ -162,6 +162,13 @@ DIAGNOSIS = (
         "test_straight_runs.py",
     ),
     python(
+        "causes that pass nowhere before those that pass",
+        "diagnosis/selection/select.py",
+        "new = {r.id for r in one.rivals} - {q.id for q in passed} - outsiders",
+        "new = frozenset()",
+        "test_admission.py",
+    ),
+    python(
         "memories that count beside little",
         "diagnosis/statements/findings.py",
         "memory=louder)",

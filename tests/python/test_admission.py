@@ -3,9 +3,13 @@
 from types import SimpleNamespace
 
 import pytest
+from tests.exam.cases import case
 
+from diagnosis_logs import logs_of_case
+from ivsid import diagnose
 from ivsid.diagnosis.selection import admission
 from ivsid.diagnosis.selection.rivals import Rival
+from ivsid.vehicle import parse_vehicle
 
 BASE = 10_000.0
 # Falls of chi-squared under the noise that holds the causes, and under the one that is learnt beside the best of them.
@@ -107,3 +111,12 @@ def test_a_cause_that_its_score_refuses_needs_one_that_passed(admitting, rule, n
 def test_evidence_of_errors_beyond_their_bounds_leads_no_other_cause_in(admitting, in_box, named):
     made = admitting({"thruster.saturation": "possible size"}, in_box=in_box)
     assert made.found.id == named
+
+
+def test_a_cause_that_passes_nowhere_does_not_keep_its_place_before_those_that_pass():
+    """A failure that thrust errors may make, as chance as 0.02, won each full fit before a drag that passed, and the model was `unknown`."""
+    c = case(262368, what="one", sea="any", sensors="any")
+    made = diagnose(parse_vehicle(c.text, "v.toml"), *logs_of_case(c), null_logs=0)
+    (found,) = made.findings
+    assert found.effect == "drag.sway.linear" and list(c.stratum["sizes"]) == [found.effect]
+    assert made.selection.refused["thruster.failure"].rule in ("any curve", "full fit")

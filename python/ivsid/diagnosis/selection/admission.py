@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
@@ -69,6 +69,7 @@ def admit(
     passed: Sequence[Scored],
     test: Threshold,
     beside: Sequence[str] = (),
+    outsiders: Collection[str] = (),
 ) -> Admission:
     """The best of the causes that pass, with its rivals, fitted in full under a noise that no longer holds the cause.
 
@@ -78,12 +79,17 @@ def admit(
         passed: causes that pass, the best first.
         test: of the log.
         beside: causes that the model holds already.
+        outsiders: causes that are not fitted unless they pass.
     """
     scored = screened.round.scored
     # A cause that does not pass by its score may do as well in a full fit, but a change over minutes has no start in any.
     near = contenders(scored, passed[0].merit)
     every = sorted(
-        {s.id: s for s in (*near, *passed) if s.physical and test.eligible(s) and abrupt(fit, s)}.values(),
+        {
+            s.id: s
+            for s in (*(q for q in near if q.id not in outsiders), *passed)
+            if s.physical and test.eligible(s) and abrupt(fit, s)
+        }.values(),
         key=lambda s: -s.merit,
     )
     finalists = every[:FINALISTS]

@@ -94,6 +94,7 @@ def select(
     waiting: dict[str, Refusal] = {}
     before: set[frozenset[str]] = set()
     tops: set[frozenset[str]] = set()
+    outsiders: frozenset[str] = frozenset()
     again = 0
     while True:
         ids = tuple(f.id for f in found)
@@ -105,7 +106,7 @@ def select(
         if not passed:
             break
         progress(f"{passed[0].id}?")
-        made = admit(fit, screened, passed, passes, ids)
+        made = admit(fit, screened, passed, passes, ids, outsiders)
         refused = {**made.refused, **refused}
         waiting |= made.waiting
         if made.found is None or made.best is None or made.noise is None:
@@ -114,7 +115,10 @@ def select(
         if (refusal := full_refused(passes, one.first, one.fall, ids)) is not None:
             # The model explains by itself what the cause seemed to explain, once it is fitted to the end.
             refused = {**dict.fromkeys((r.id for r in one.rivals), refusal), **refused}
-            again += 1
+            # What passes neither by its score nor in full is no rival of what does.
+            new = {r.id for r in one.rivals} - {q.id for q in passed} - outsiders
+            outsiders |= new
+            again += not new
             if again > REVIEWS:
                 break
             states = improve(Problem.at(noise, plain.fixed, fit.states), fit.states, FULL_STEPS)
@@ -135,10 +139,20 @@ def select(
             break
         tops.add(now)
     chosen = Selection(plain, fit, tuple(found), every, tuple(scored), {**waiting, **refused})
-    alone = _without_one_force(chosen, passes.level)
+    return _with_curves(chosen, screened, passes.level)
+
+
+def _with_curves(chosen: Selection, screened: Screened, level: float) -> Selection:
+    """The selection without causes that one force explains as well, and what its curves reach.
+
+    Args:
+        chosen: the causes.
+        screened: the last screening, which has made the curves of its fit.
+        level: threshold of the log.
+    """
+    alone = _without_one_force(chosen, level)
     if not alone.found:
         return alone
-    # The last screening has made the curves of its fit.
     curve = screened.round.curve if alone is chosen else None
     return replace(alone, curves=(curve or AnyCurve(alone.last)).reach())
 

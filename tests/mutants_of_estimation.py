@@ -20,14 +20,14 @@ ESTIMATION = (
     python(
         "readings of irregular rows at their wanted times",
         "diagnosis/data/resampling.py",
-        "rows = np.concatenate([t[k], t[k + 1]])",
-        "rows = np.concatenate([read, read])",
+        "around = np.concatenate([t[k], t[k + 1]])",
+        "around = np.concatenate([read, read])",
         "test_irregular_clock.py",
     ),
     python(
         "rows that have demands of later ones",
         "diagnosis/data/resampling.py",
-        'at -= np.searchsorted(sent, start, side="right") > np.searchsorted(sent, rows, side="right")',
+        'at -= np.searchsorted(sent, start, side="right") > np.searchsorted(sent, around, side="right")',
         'at -= np.searchsorted(sent, start, side="right") > sent.size',
         "test_irregular_clock.py",
     ),

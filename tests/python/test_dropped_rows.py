@@ -162,6 +162,17 @@ def test_a_sound_log_with_empty_cells_is_sound(cells):
     assert isinstance(found.fit.noise.predictor.log.between, Straddled)
 
 
+@pytest.mark.parametrize("readings", [0, 1])
+def test_accelerometers_that_were_never_read_lose_no_rows(readings):
+    """Columns that a logger writes for sensors that are off: of no reading, and of one."""
+    log = sailed(70.0, 3, 0.0, 0.1, False)
+    for kept, straddled in ((log, False), (dropped(log), True)):
+        never = np.where(np.arange(kept.t.size) < readings, 0.0, np.nan)
+        there = channels(replace(kept, columns=kept.columns | {"ax": never, "ay": never}), craft())
+        assert isinstance(there.between, Straddled) == straddled
+        np.testing.assert_array_equal(there.nu, channels(kept, craft()).nu)
+
+
 def test_velocities_that_a_rarer_sensor_lost_are_no_structure():
     """A Doppler log every third row lost a fifth of its pings: what a gyro and an accelerometer read in these rows counted at other times than it."""
     log = sailed(300.0, 3, 0.0, 0.1, False)

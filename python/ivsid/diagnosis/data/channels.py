@@ -13,7 +13,7 @@ from ivsid.diagnosis.data.between import Between, Straddled
 from ivsid.diagnosis.data.clock import RARE, check_usable, first_reading, paced
 from ivsid.diagnosis.data.from_pose import differenced
 from ivsid.diagnosis.data.lost_rows import LostDemands, LostRows
-from ivsid.diagnosis.data.resampling import ACCELERATIONS, VELOCITIES, Resampler
+from ivsid.diagnosis.data.resampling import ACCELERATIONS, VELOCITIES, Resampler, read_in
 from ivsid.diagnosis.data.sensor_noise import scale_step, sensor_noise
 from ivsid.diagnosis.data.whole_rows import whole_rows
 from ivsid.log import Log
@@ -267,7 +267,7 @@ def _inside_steps(vehicle: Vehicle, resample: Resampler, *, fixed: bool) -> Betw
     if not astray:
         return _between(vehicle, resample, parts, _read(parts, count))
     between = _between(vehicle, resample, parts, (0,))
-    felt = next((name for name in ACCELERATIONS if name in resample.log.columns), "u")
+    felt = (*read_in(resample.log, ACCELERATIONS), "u")[0]
     return Straddled.of(between, resample.places, resample.rows("u", parts), resample.rows(felt, parts))
 
 

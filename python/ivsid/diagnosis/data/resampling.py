@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Final
 
@@ -30,6 +31,11 @@ ACCELERATIONS: Final = ("ax", "ay", "udot", "vdot", "rdot")
 # Share of the rows off the clock from which on held demands are followed part by part: one step would take them for as much as a step late.
 # Source: definition: one in a hundred, as where a clock is uniform but for some rows
 STRAY: Final = 0.01
+
+
+def read_in(log: Log, group: Sequence[str]) -> list[str]:
+    """The columns of a group that have two readings and more, between which others lie."""
+    return [name for name in group if name in log.columns and np.count_nonzero(np.isfinite(log.columns[name])) > 1]
 
 
 class Resampler:
@@ -106,12 +112,9 @@ class Resampler:
     @cached_property
     def between_rows(self) -> bool:
         """Whether no velocity or no acceleration was read at times of readings, and rows within a step stand for it."""
-        read, columns = (self.clock + self.places[:, None] * self.h).ravel(), self.log.columns
-        for group in (VELOCITIES, ACCELERATIONS):
-            there = [np.isfinite(columns[name]) for name in group if name in columns]
-            if not there:
-                continue
-            t = self.log.t[np.any(there, axis=0)]
+        read = (self.clock + self.places[:, None] * self.h).ravel()
+        for names in filter(None, (read_in(self.log, group) for group in (VELOCITIES, ACCELERATIONS))):
+            t = self.log.t[np.any([np.isfinite(self.log.columns[name]) for name in names], axis=0)]
             k = np.clip(np.searchsorted(t, read), 1, t.size - 1)
             away = np.minimum(np.abs(read - t[k - 1]), np.abs(t[k] - read)) / self.h
             if np.mean((away > SAME) & (away <= FARTHEST)) > STRAY:

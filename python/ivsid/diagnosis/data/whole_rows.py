@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.clock import RARE, usual_step
-from ivsid.diagnosis.data.resampling import ACCELERATIONS, STRAY, VELOCITIES
+from ivsid.diagnosis.data.resampling import ACCELERATIONS, STRAY, VELOCITIES, read_in
 from ivsid.log import Log
 
 # Share of the rows of the rarest channel in which another one has readings if it is read in the same rows.
@@ -31,8 +31,7 @@ def whole_rows(log: Log, *, averaged: bool) -> Log:
     groups: list[Sequence[str]] = [(*VELOCITIES, "psi")]
     columns = dict(log.columns)
     for group in groups if averaged else (*groups, ACCELERATIONS):
-        names = [name for name in group if name in columns]
-        if names:
+        if names := read_in(log, group):
             columns |= _whole(log, names)
     return replace(log, columns=columns)
 
@@ -44,6 +43,6 @@ def _whole(log: Log, names: Sequence[str]) -> dict[str, NDArray[np.float64]]:
     beside = [name for name in names if np.mean(there[name][rows]) > BESIDE]
     whole = np.all([there[name] for name in beside], axis=0)
     steps = np.diff(log.t[whole])
-    if len(beside) < len(names) or steps.size < 2 or np.mean(steps > RARE * np.median(steps)) <= STRAY:
+    if steps.size < 2 or np.mean(steps > RARE * np.median(steps)) <= STRAY:
         return {}
     return {name: np.where(whole, log.columns[name], np.nan) for name in beside}

@@ -50,6 +50,20 @@ DIAGNOSIS = (
         "test_slow_force.py",
     ),
     python(
+        "gusts that begin at once as noise of a linear filter",
+        "diagnosis/null/long_past.py",
+        "LARGE: Final = 2.5",
+        "LARGE: Final = 1e9",
+        "test_long_past.py",
+    ),
+    python(
+        "thrust curves asked beside no slow force",
+        "diagnosis/null/round.py",
+        "Directions(curve.under(other))",
+        "Directions(curve)",
+        "test_any_curve.py",
+    ),
+    python(
         "arms asked where yaw is left out",
         "diagnosis/null/leaving.py",
         "    if fit.noise.left_out:\n",

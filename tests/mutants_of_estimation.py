@@ -172,6 +172,13 @@ ESTIMATION = (
         "test_inside_steps.py",
     ),
     python(
+        "an error of a covariance by chance alone",
+        "diagnosis/estimation/roughness.py",
+        "return float(np.sqrt((near[0] ** 2 +",
+        "return 0.0 * float(np.sqrt((near[0] ** 2 +",
+        "test_roughness.py",
+    ),
+    python(
         "a position that may jump",
         "diagnosis/estimation/scatter.py",
         "np.sqrt(max(at_the_least(each)[0], 0.0) / allowed)",

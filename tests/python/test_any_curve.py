@@ -22,8 +22,11 @@ from ivsid.diagnosis.null.boxed import OVERSHOOT, Boxed
 from ivsid.diagnosis.null.curve_errors import _places
 from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.directions import Directions
+from ivsid.diagnosis.null.own_past import OwnPast
 from ivsid.diagnosis.null.reached import Reached
+from ivsid.diagnosis.null.round import Round
 from ivsid.diagnosis.null.screening import ANY_CURVE, CLOSER_CURVE, Case
+from ivsid.diagnosis.null.slow_force import SlowForce, slow_force
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.plant.thrust_errors import bound_of
 from ivsid.diagnosis.selection.adequacy import RISK, adequacy
@@ -347,15 +350,83 @@ def test_an_error_by_inflow_comes_as_late_as_its_thrust():
 
 
 def test_the_worst_errors_act_together_with_what_the_log_holds_without_a_cause(wrong):
-    """Ten standard deviations, of which errors of a thrust make three and the colour of the noise or a slow force six, leave one."""
+    """Ten standard deviations, of which errors of a thrust make three and the colour of the noise or a slow force six, leave one, or what both leave of it together."""
     s = replace(wrong.of("drag.surge.linear"), fall=100.0, boxed=0.0)
-    none = SimpleNamespace(fall=lambda q: q.fall)
-    some = SimpleNamespace(fall=lambda _: 16.0)
+    none = SimpleNamespace(fall=lambda q: q.fall, left=lambda lost: (10.0 - lost) ** 2)
+    some = SimpleNamespace(fall=lambda _: 16.0, left=lambda lost: (4.0 - lost) ** 2)
+    other = SimpleNamespace(fall=lambda _: 16.0, left=lambda _: 12.0)
 
     def stands(past, slow, lost):
-        here = SimpleNamespace(past=past, slow=slow, lost=lambda _, closer=False: lost)
+        here = SimpleNamespace(
+            past=past, slow=slow, lost=lambda _, closer=False: lost, left_beside=lambda _, q: q.left(lost)
+        )
         case = Case(here, s)
         return [rule.value(case) <= rule.limit(case) for rule in (ANY_CURVE, CLOSER_CURVE)]
 
     assert stands(none, None, 0.0) == stands(none, none, 3.0) == stands(some, none, 0.0) == [True, True]
-    assert stands(some, None, 3.0) == stands(none, some, 3.0) == [False, False]
+    assert stands(some, None, 3.0) == stands(none, some, 3.0) == stands(other, some, 3.0) == [False, False]
+    # The second rule asks of faint causes, and is no less strict than the sum of both.
+    assert stands(none, other, 3.0) == stands(other, None, 3.0) == [True, False]
+    assert stands(none, other, 9.0) == [False, False]
+
+
+@pytest.fixture(scope="module")
+def sound():
+    vehicle = vehicle_of()
+    return screened(vehicle, train_of(vehicle, duration=160.0))
+
+
+def whole_causes(found):
+    """Causes of one column over the whole log, a thrust that fades with time among them."""
+    return [s for s in found.scores if len(s.columns) == 1 and not s.candidate.starts]
+
+
+@pytest.mark.parametrize("kind", ["slow", "past"])
+def test_what_curves_and_the_noise_make_together_is_no_more_than_chance(sound, kind):
+    """Errors at their bounds, slow forces of the declared rms and white noise, in place of the log."""
+    fit, free = sound.fit, AnyCurve(sound.fit)
+    slow = slow_force(fit)
+    shapes, products = slow._shapes
+    causes = whole_causes(sound)[::4]
+    left = []
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        errors = drawn(free, rng)
+        size = rng.standard_normal(len(shapes))
+        size /= np.sqrt((size @ products @ size).max())
+        y = np.tensordot(errors, free.g.columns(free.projection.base), 1)
+        y += (shapes.T @ size).reshape(y.shape) * (kind == "slow")
+        y += rng.standard_normal(y.shape)
+        here = Round(with_log(fit, y.reshape(fit.gram.y.shape)), causes, 1e-3, {})
+        other = here.slow if kind == "slow" else here.past
+        assert isinstance(other, SlowForce if kind == "slow" else OwnPast)
+        left += [here.left_beside(s, other) for s in causes]
+    assert len(causes) >= 5
+    # Chi-squared of one degree of freedom at most, over thirty of them.
+    assert max(left) < chi2.isf(1e-4, 1) and np.mean(left) < 1.5
+
+
+def with_log(fit, y):
+    """The fit to other whitened errors, shape (blocks, numbers)."""
+    g = fit.gram
+    score = np.concatenate([np.einsum("cbi,bi->bc", part, y) for part in g.parts], axis=1)
+    return replace(
+        fit, gram=replace(g, y=y, score=score, energy=(y**2).sum(axis=1), centre=np.zeros_like(g.centre)), candidates=()
+    )
+
+
+def test_a_fading_thrust_stands_beside_curves_and_slow_forces_together(sound):
+    """No curve of the demand fades, and a slow force takes its mean alone: what each takes by itself, in sum, left nothing of it."""
+    fit = sound.fit
+    sag = next(s for s in sound.scores if s.id == "thruster.voltage_sag")
+    own = fit.gram.columns(list(sag.columns))[0]
+    information = float(fit.projection.information(list(sag.columns))[0, 0])
+    size = 25.0 / np.sqrt(information)
+    y = np.random.default_rng(2).standard_normal(own.shape) + size * own
+    here = with_log(fit, y)
+    theta, fall = here.projection.solve(list(sag.columns))
+    s = replace(sag, fall=fall, theta=tuple(theta / fit.gram.unit[list(sag.columns)]), boxed=0.0)
+    asked = Round(here, [s], 1e-3, {})
+    apart = max(np.sqrt(asked.slow.fall(s)) - asked.lost(s), 0.0) ** 2
+    together = asked.left_beside(s, asked.slow)
+    assert apart < together <= asked.slow.fall(s) < fall and together > 25.0

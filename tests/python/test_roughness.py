@@ -5,14 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import uniform_filter1d
 from tests.exam.cases import case
 
 from diagnosis_logs import TRUTH, logs_of, logs_of_case, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation import roughness
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import declared_ambient, lightest
+from ivsid.diagnosis.estimation.roughness import APART
 from ivsid.diagnosis.selection.adequacy import ROUGHER, adequacy
 from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.vehicle import parse_vehicle
@@ -188,3 +191,28 @@ def test_errors_of_thrusts_that_come_in_spells_are_no_force(ambient):
     left = adequacy(fit)
     assert max(fit.noise.alone[1]) > 2 * ROUGHER
     assert left.quiet and 0.0 < max(left.beyond_curves) < ROUGHER
+
+
+@pytest.mark.parametrize("time", APART)
+def test_noise_of_readings_alone_is_no_force(time):
+    """A ship whose declared force is a hundredth of its noise was 2.5 times as rough as declared: a few dozen blocks scattered by half of their error."""
+    h, n, q = 0.25, 2800, 2
+    found, errors, of_all = [], [], []
+    for seed in range(300):
+        mean = uniform_filter1d(np.random.default_rng(seed).standard_normal(n), q)
+        slope = (mean[2 * q :] - mean[: -2 * q]) / (2 * q * h)
+        lag = round(time / h)
+        of_all.append(float(slope[lag:] @ slope[:-lag]) / slope.size)
+        errors.append(roughness._of_noise(slope, lag, slope.size))
+        found.append(roughness._lasting(slope, np.ones(slope.size, dtype=bool), time, h)[0] > 0)
+    # The error of one series is that of a covariance over all of them; a second apart, slopes share noise that adds to it.
+    assert 0.8 < np.mean(errors) / np.std(of_all) < 1.1
+    assert not any(found)
+
+
+def test_the_scatter_of_blocks_counts_where_it_is_the_larger():
+    each = np.array([1.0, 1.2, 0.8, 1.1, 0.9, 1.0, 1.3, 0.7, 9.0])
+    of_most, of_all = roughness.at_the_least(each)
+    assert of_all < of_most < each.mean()
+    assert roughness.at_the_least(each, 1e-6).tolist() == [of_most, of_all]
+    assert roughness.at_the_least(each, 10.0).tolist() == [pytest.approx(each.mean() - 30.0)] * 2

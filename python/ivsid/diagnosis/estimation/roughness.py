@@ -212,15 +212,35 @@ def _lasting(x: Array, good: NDArray[np.bool_], time: float, h: float) -> Array:
         return np.zeros(2)
     x = np.where(good, x - x[good].mean(), 0.0)
     each = np.add.reduceat(x[lag:] * x[:-lag], edges)[whole] / count[whole]
-    return at_the_least(each)
+    return at_the_least(each, _of_noise(x, lag, int(good.sum())))
 
 
-def at_the_least(each: Array) -> Array:
-    """The mean of blocks at the least, by the scatter of most of them, and by that of all, shape (2,)."""
+def _of_noise(x: Array, lag: int, count: int) -> float:
+    """Standard error of a covariance some samples apart in noise that nothing else correlates.
+
+    Source: Bartlett, *JRSS Supplement* 8, 1946.
+
+    Args:
+        x: the series, zero where it does not count, shape (m,).
+        lag: samples apart, beyond those that share noise.
+        count: of the samples that count.
+    """
+    near = [float(x[k:] @ x[: x.size - k]) / count for k in range(lag)]
+    return float(np.sqrt((near[0] ** 2 + 2.0 * sum(c * c for c in near[1:])) / count))
+
+
+def at_the_least(each: Array, noise: float = 0.0) -> Array:
+    """The mean of blocks at the least, by the scatter of most of them, and by that of all, shape (2,).
+
+    Args:
+        each: mean of each block.
+        noise: standard error of the mean at the least; the scatter of a few dozen blocks may be half of it by chance.
+    """
     spread = float(each.std(ddof=1))
     # Most blocks are as evenly rough as noise is.
     usual = float(np.median(np.abs(each - np.median(each)))) / NORMAL_MEDIAN if each.size >= MANY else spread
-    return np.asarray(each.mean() - ERRORS * np.array([min(usual, spread), spread]) / np.sqrt(each.size))
+    error = np.maximum(np.array([min(usual, spread), spread]) / np.sqrt(each.size), noise)
+    return np.asarray(each.mean() - ERRORS * error)
 
 
 def _of_thrusts(predictor: Predictor) -> Array:

@@ -17,8 +17,9 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Sequence
+from copy import copy
 from dataclasses import replace
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +50,13 @@ DETERMINED: Final = 1e-9
 DOUBT: Final = 0.05
 
 
+class Besides(Protocol):
+    """What may be taken out of cross-products."""
+
+    def beside(self, g: Gram) -> Gram:
+        """Cross-products of what it leaves of columns and of the log."""
+
+
 class AnyCurve:
     """The base of a fit, with free thrust errors of each kind beside it.
 
@@ -76,6 +84,7 @@ class AnyCurve:
             prior[first:] = 1.0 / (BOUNDED * np.maximum(unit, 1e-300)) ** 2
             g = replace(g, prior=prior)
         self.g = g
+        self._other: tuple[Gram, Besides] | None = None
         self.projection = Projection(g, range(len(g.names)))
         # The cells alone make any curve, so that the knots of the fit have no bound of their own here.
         self.box = np.zeros(len(self.projection.base))
@@ -90,6 +99,17 @@ class AnyCurve:
         ]
         own = np.concatenate([*itertools.chain(*self._kinds), np.zeros(0, dtype=np.int64)])
         self._rest = np.setdiff1d(np.arange(self.box.size), own)
+
+    def under(self, other: Besides) -> AnyCurve:
+        """The same beside something that all causes share, such as slow forces.
+
+        Args:
+            other: beside which it stands.
+        """
+        found = copy(self)
+        found.g, found._other = other.beside(self.g), (self.g, other)
+        found.projection = Projection(found.g, self.projection.base)
+        return found
 
     def worst(self, moved: Array) -> Array:
         """Most that declared errors inside their bounds move some sums by, shape (...).
@@ -142,7 +162,11 @@ class AnyCurve:
 
     def beside(self, s: Scored) -> tuple[Gram, list[int]]:
         """The cross-products with the columns of a family, and the indices of these."""
-        return with_family(self.g, self.fit, s)
+        if self._other is None:
+            return with_family(self.g, self.fit, s)
+        bare, other = self._other
+        g, at = with_family(bare, self.fit, s)
+        return other.beside(g), at
 
 
 def with_family(g: Gram, fit: Fit, s: Scored) -> tuple[Gram, list[int]]:

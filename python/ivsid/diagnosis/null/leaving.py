@@ -19,7 +19,9 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve
 from ivsid.diagnosis.null.beside import Beside
 from ivsid.diagnosis.null.boxed import Boxed, Leaving, outside, readings
+from ivsid.diagnosis.null.frequencies import spectrum
 from ivsid.diagnosis.null.inside_cells import CLOSER
+from ivsid.diagnosis.null.long_past import LongPast
 from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.slow_force import SlowForce, slow_force, wave_beside
@@ -71,6 +73,7 @@ class Others:
             yield self.slow
         if self.wave is not None:
             yield self.wave
+        yield LongPast(self.fit)
 
 
 def thrusts(others: Others) -> tuple[float, int, float]:
@@ -87,11 +90,14 @@ def thrusts(others: Others) -> tuple[float, int, float]:
         left = min(left, reached) if doubt else reached
     if chdtrc(knots, left) <= DOUBT and left < FORETOLD:
         left = min(left, Reached(others.closer).leaving)
+    if chdtrc(knots, left) <= DOUBT and left < FORETOLD:
+        # An ambient force of another spectrum than the whitening knows scatters them as well.
+        left = min(left, Reached(others.closer, noise=spectrum(fit, others.closer.g)).leaving)
     bare = left
     for other in others.beside():
         if chdtrc(knots, left) > DOUBT or left >= FORETOLD:
             break
-        beside = Reached(others.closer, other)
+        beside = Reached(others.closer, other, other.spectrum(others.closer.g))
         left = min(left, beside.leaving)
         if doubt and beside.other is not None:
             left = min(left, Boxed(fit, beside.other.base).leaving)

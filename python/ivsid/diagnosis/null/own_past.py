@@ -75,13 +75,17 @@ class OwnPast(Beside):
             if not rows:
                 continue
             errors = np.concatenate([self._row(left, i) for i in rows])
-            past = np.concatenate([_late(errors, lag) for lag in range(1, LAGS + 1)])
+            past = self._before(errors)
             for i, now in zip(rows, errors, strict=True):
                 # Past errors count where the present one does.
                 here = past * (now != 0.0)
                 inner = here @ here.T
                 inner += RIDGE * max(float(np.trace(inner)), 1e-300) * np.eye(len(inner))
                 yield i, here, cho_factor(inner)
+
+    def _before(self, errors: Array) -> Array:
+        """What foretells errors of their past, shape (quantities, n)."""
+        return np.concatenate([late(errors, lag) for lag in range(1, LAGS + 1)])
 
     @cached_property
     def _products(self) -> tuple[tuple[Array, Array, Array], ...]:
@@ -99,7 +103,7 @@ class OwnPast(Beside):
         return x.reshape(len(x), -1, rows, length)[:, :, row].reshape(len(x), -1)
 
 
-def _late(x: Array, lag: int) -> Array:
+def late(x: Array, lag: int) -> Array:
     """Rows that come some samples later, with zeros before."""
     out = np.zeros_like(x)
     out[:, lag:] = x[:, :-lag]

@@ -13,14 +13,17 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 from scipy.optimize import lsq_linear
 from scipy.special import chdtrc, chdtri
 
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import DETERMINED, LEAST, AnyCurve
 from ivsid.diagnosis.null.beside import Beside
 from ivsid.diagnosis.null.curve_errors import BEYOND_DEMAND
+from ivsid.diagnosis.null.frequencies import Spectrum, excess
 
 Array = NDArray[np.float64]
 
@@ -31,6 +34,7 @@ class Reached:
     Args:
         free: the fit's base with free errors beside it.
         other: beside which the distance stands, too, or None.
+        noise: spectrum that scatters the estimates beyond what white noise does, or None; of curves alone.
 
     Attributes:
         leaving: squared distance from them, in standard deviations.
@@ -38,9 +42,9 @@ class Reached:
         other: beside which it stands, with those errors.
     """
 
-    def __init__(self, free: AnyCurve, other: Beside | None = None) -> None:
+    def __init__(self, free: AnyCurve, other: Beside | None = None, noise: Spectrum | None = None) -> None:
         names = free.g.names
-        self.free = free
+        self.free, self.noise = free, noise
         self.at = [k for k, n in enumerate(names) if n.startswith(("~thrust.", "~hysteresis."))]
         self.cells = [k for k, n in enumerate(names) if n.startswith("~cell.")]
         # Free errors by inflow or play would take what errors by demand may not.
@@ -73,6 +77,10 @@ class Reached:
         values, vectors = np.linalg.eigh(0.5 * (S + S.T))
         kept = values > DETERMINED * max(float(values.max()), 1e-300)
         root = vectors[:, kept] / np.sqrt(values[kept])
+        if self.noise is not None:
+            more = excess(self.free.fit, Projection(g, others), data, self.noise).more
+            scatter = np.linalg.cholesky(np.eye(root.shape[1]) + root.T @ more @ root)
+            root = solve_triangular(scatter, root.T, lower=True).T
         solved = lsq_linear(root.T @ C, root.T @ r, bounds=(-1.0, 1.0))
         return 2.0 * float(solved.cost), int(kept.sum()), np.asarray(solved.x)
 

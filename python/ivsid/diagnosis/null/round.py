@@ -16,6 +16,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, is_declared, lost
+from ivsid.diagnosis.null.beside import Beside
 from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import Directions
 from ivsid.diagnosis.null.frequencies import Frequencies
@@ -48,6 +49,7 @@ class Round:
     _left: dict[tuple[tuple[object, ...], tuple[float, ...]], float] = field(
         default_factory=dict, repr=False, compare=False
     )
+    _beside: dict[tuple[int, bool], Directions] = field(default_factory=dict, repr=False, compare=False)
 
     @cached_property
     def curve(self) -> AnyCurve:
@@ -115,6 +117,20 @@ class Round:
             curve = self.finer_directions if inside_cells(self.fit, s) else self.directions
             self._left[asked] = curve.left(s)
         return self._left[asked]
+
+    def left_beside(self, s: Scored, other: Beside) -> float:
+        """The same of scores beside something that all causes share: its part and that of declared errors are asked together.
+
+        Args:
+            s: a family.
+            other: the log's own past errors, or slow forces.
+        """
+        finer = inside_cells(self.fit, s)
+        asked = id(other), finer
+        if asked not in self._beside:
+            curve = self.finer_directions.free if finer else self.curve
+            self._beside[asked] = Directions(curve.under(other))
+        return min(self._beside[asked].left(s), other.fall(s))
 
     def faint(self, s: Scored) -> bool:
         """Whether errors inside the usual cells may look like a cause by chance, and no stronger one is found first."""

@@ -88,6 +88,19 @@ class Case:
         past = self.beside_past if self.s.shown < FORETOLD else self.s.shown
         return min(self.s.shown, past, self.beside_slow)
 
+    @cached_property
+    def beside_all(self) -> float:
+        """Chance of what declared errors inside their bounds leave of the cause beside what the rules before ask of.
+
+        What each of both takes of the score, one after the other, bounds what they take together. Where that is too much they are asked together.
+        """
+        s, r = self.s, self.round
+        apart = chance_beside(replace(s, lost=self.lost), self.beside_noise)
+        if apart <= WORST or chance_beside(replace(s, lost=self.lost), s.shown) > WORST:
+            return apart
+        others = [*([r.past] if s.shown < FORETOLD else []), *([r.slow] if r.slow is not None else [])]
+        return max((chance(replace(s, fall=r.left_beside(s, q), boxed=0.0)) for q in others), default=apart)
+
     @property
     def over_declared(self) -> float:
         """Size of the cause in the declared ambient force, where it is a part of that by its nature; infinite where it is none."""
@@ -298,7 +311,7 @@ ANY_CURVE: Final = Rule[Case](
     "Any thrust curve inside the stated accuracy is possible, and it acts together with what the log holds without a cause. Errors that are the worst for one "
     "cause are not for causes of another kind, so that their number does not count again.",
     "theorem: docs/theory.md, Any thrust curve inside its accuracy",
-    lambda c: chance_beside(replace(c.s, lost=c.lost), c.beside_noise),
+    lambda c: c.beside_all,
     lambda _: WORST,
     "errors inside the stated accuracies may explain it: beside the worst of them its fall of chi² has probability {value:.1g}, "
     "and {limit:.1g} is the limit",

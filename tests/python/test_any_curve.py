@@ -22,6 +22,7 @@ from ivsid.diagnosis.null.boxed import OVERSHOOT, Boxed
 from ivsid.diagnosis.null.curve_errors import _places
 from ivsid.diagnosis.null.detection import detection_limits
 from ivsid.diagnosis.null.directions import Directions
+from ivsid.diagnosis.null.inside_cells import FINER
 from ivsid.diagnosis.null.own_past import OwnPast
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.round import Round
@@ -430,3 +431,17 @@ def test_a_fading_thrust_stands_beside_curves_and_slow_forces_together(sound):
     apart = max(np.sqrt(asked.slow.fall(s)) - asked.lost(s), 0.0) ** 2
     together = asked.left_beside(s, asked.slow)
     assert apart < together <= asked.slow.fall(s) < fall and together > 25.0
+    # A cause in time stands beside errors that jump more often.
+    free = AnyCurve(here, finer=FINER)
+    both, curves = (Directions(q).left(s) for q in (free.under(asked.slow), free))
+    assert together == pytest.approx(min(both, asked.slow.fall(s))) and both < 0.9 * curves
+    # The oracle takes the forces out of the columns and of the log themselves, as ones with their own prior.
+    g, at = free.under(asked.slow).beside(s)
+    shapes, _ = asked.slow._shapes
+    x = g.columns(list(range(len(g.names)))).reshape(len(g.names), -1)
+    held = np.linalg.solve(shapes @ shapes.T + asked.slow.prior, shapes @ np.vstack([x, here.gram.y.ravel()]).T)
+    left = x @ np.vstack([x, here.gram.y.ravel()]).T - (x @ shapes.T) @ held
+    assert g.total == pytest.approx(left[:, :-1], abs=1e-6) and g.score.sum(axis=0) == pytest.approx(
+        left[:, -1], abs=1e-6
+    )
+    assert at == [len(g.names) - 1]

@@ -14,9 +14,10 @@ Source: docs/theory.md, "Diagnosis"; Akaike, "A new look at the statistical mode
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from itertools import combinations
 from typing import Final, Self
 
@@ -26,6 +27,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import NOTHING_LEFT, Projection
+from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.gradual import gradual_forces
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.usual_hull import hull_limits
@@ -79,6 +81,7 @@ class _Asked:
         groups: columns of each curve, among those of all.
         hull: value, least and most of numbers that hulls limit, in their units, by column of the model.
         boxed: ids of causes whose evidence is that thrust errors would have to leave their bounds, of which their falls know nothing.
+        free: the model and the curves beside any thrust curve, in this order with the cells between; None asks of none.
     """
 
     own: Mapping[str, list[int]]
@@ -90,6 +93,7 @@ class _Asked:
     groups: Sequence[range]
     hull: Mapping[int, tuple[float, float, float]]
     boxed: AbstractSet[str] = frozenset()
+    free: Callable[[], Gram] | None = None
 
     @classmethod
     def of(cls, fit: Fit, causes: Sequence[Found]) -> Self | None:
@@ -114,7 +118,13 @@ class _Asked:
         limits = hull_limits(fit.noise.predictor.vehicle, fit.h.terms)
         hull = {names.index(i): (fit.h.values[i], *ends) for i, ends in limits.items() if i in names}
         boxed = {f.id for f in causes if f.first.boxed > f.fall}
-        return cls(own, held, wide, forces, len(slow), curves, groups, hull, boxed)
+
+        @cache
+        def free() -> Gram:
+            beside = AnyCurve(fit).g
+            return beside.joined(curves, lines.reshape(len(lines), *beside.y.shape), lengths)
+
+        return cls(own, held, wide, forces, len(slow), curves, groups, hull, boxed, free)
 
     def _without(self, ids: Iterable[str]) -> tuple[Projection, list[int], Array]:
         """Least squares on the model without some causes, with their columns and what the errors no longer hold of them."""
@@ -161,7 +171,27 @@ class _Asked:
                     tuple(ids), fall, len(at), words(self.curves, group), shape, directions=directions, whole=whole
                 )
                 refusal = BETTER_CURVE.refuses(curve, others)
+                if refusal is not None and self.free is not None:
+                    # A thrust curve inside its accuracy may make what the function adds to the causes.
+                    beside = self._beside_thrusts(curve, self.free(), at, held, group)
+                    refusal = BETTER_CURVE.refuses(beside, others)
         return refusal
+
+    def _beside_thrusts(self, curve: Curve, g: Gram, at: Sequence[int], held: Array, group: range) -> Curve:
+        """A function of a velocity in the place of causes, beside any thrust curve.
+
+        Args:
+            curve: the same beside the thrusts of the fit.
+            g: cross-products of the model, any thrust curve and all functions.
+            at: columns of the causes.
+            held: their coefficients that the errors no longer hold, in unit lengths.
+            group: columns of the function, among those of all.
+        """
+        first = len(g.names) - len(self.curves)
+        p = Projection(g, [k for k in range(first) if k not in at])
+        shape, _, directions = curve_in_their_place(p, at, held, [first + k for k in group])
+        fall, _, _ = in_their_place(p, at, held, [first])
+        return replace(curve, fall=fall, alone=shape, directions=directions)
 
     def _of_hulls(self, p: Projection, at: Sequence[int], held: Array) -> NDArray[np.bool_]:
         """Whether the numbers of the model are ones that a hull may have, with each force in the place of causes, shape (forces,).

@@ -16,6 +16,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null import leaving
 from ivsid.diagnosis.null import round as screening_round
+from ivsid.diagnosis.null.own_past import OwnPast
 from ivsid.diagnosis.null.slow_force import HALF_WAVES, HARMONICS, SlowForce, wave_beside
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.statements import shallow_water
@@ -139,6 +140,9 @@ def test_a_force_of_minutes_inside_the_declared_one_is_none_that_the_catalogue_l
     assert found.quiet and found.leans and not found.certain
     assert not SlowForce(fit).beyond
     monkeypatch.setattr(leaving, "slow_force", lambda _: None)
+    # The spectrum of the noise and long pasts explain the thrust errors that one of these forces asks for as well.
+    monkeypatch.setattr(leaving, "spectrum", lambda *_: None)
+    monkeypatch.setattr(leaving, "LongPast", OwnPast)
     assert not adequacy(fit).quiet
 
 
@@ -156,6 +160,8 @@ def test_noise_faster_than_slow_forces_scatters_what_is_left_beside_them(monkeyp
     fit = fitted(parse_vehicle(c.text, "v.toml"), logs_of_case(c)[0])
     assert adequacy(fit).quiet
     monkeypatch.setattr(SlowForce, "spectrum", lambda self, g: None)
+    # Long pasts, which are asked last, count the spectrum as well.
+    monkeypatch.setattr(leaving, "LongPast", OwnPast)
     assert not adequacy(fit).quiet
 
 

@@ -90,10 +90,10 @@ def thrusts(others: Others) -> tuple[float, int, float]:
         left = min(left, reached) if doubt else reached
     if chdtrc(knots, left) <= DOUBT and left < FORETOLD:
         left = min(left, Reached(others.closer).leaving)
+    bare = left
     if chdtrc(knots, left) <= DOUBT and left < FORETOLD:
         # An ambient force of another spectrum than the whitening knows scatters them as well.
         left = min(left, Reached(others.closer, noise=spectrum(fit, others.closer.g)).leaving)
-    bare = left
     for other in others.beside():
         if chdtrc(knots, left) > DOUBT or left >= FORETOLD:
             break

@@ -107,13 +107,31 @@ class SlowForce(Beside):
         """
         other = SlowForce(self.fit, self._period)
         # Signatures and bounds are those of the same fit.
-        other.__dict__.update(_shapes=self._shapes, _held=self._multiplied(g, base, known))
+        other.__dict__.update(_shapes=self._shapes, _of_base=self._of_base, _held=self._multiplied(g, base, known))
         return other
+
+    @cached_property
+    def _of_base(self) -> Array:
+        """Products of the base's columns with the forces, which all causes share, shape (base, forces)."""
+        return self._products(self._base.parts)
+
+    def _products(self, parts: Sequence[Array]) -> Array:
+        """Products of columns with the forces, shape (columns, forces)."""
+        s, _ = self._shapes
+        return np.concatenate([np.zeros((0, len(s))), *(x.reshape(len(x), -1) @ s.T for x in parts)])
+
+    def _with_forces(self, g: Gram) -> Array:
+        """Products of all columns with the forces, shape (columns, forces).
+
+        Args:
+            g: cross-products whose first columns are those of the base.
+        """
+        return np.concatenate([self._of_base, self._products(g.parts[len(self._base.parts) :])])
 
     def _multiplied(self, g: Gram, base: Sequence[int], known: Array) -> tuple[Array, bool]:
         """Information before the log with multipliers, and whether a bound is far passed without them."""
         s, products = self._shapes
-        cross = np.concatenate([x.reshape(len(x), -1) @ s.T for x in g.parts])
+        cross = self._with_forces(g)
         at = list(base)
         held = np.linalg.solve(g.normal(at), cross[at])
         information = s @ s.T - cross[at].T @ held
@@ -142,10 +160,10 @@ class SlowForce(Beside):
         """Cross-products over the whole log, of what slow forces leave of columns and of the log.
 
         Args:
-            g: cross-products.
+            g: cross-products whose first columns are those of the base.
         """
         s, _ = self._shapes
-        own = np.concatenate([x.reshape(len(x), -1) @ s.T for x in g.parts])
+        own = self._with_forces(g)
         taken = cho_solve(self._factor, own.T)
         total = g.total - own @ taken
         score = g.score.sum(axis=0) - (s @ g.y.ravel()) @ taken

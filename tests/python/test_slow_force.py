@@ -138,7 +138,8 @@ def test_a_force_of_minutes_inside_the_declared_one_is_none_that_the_catalogue_l
     found = adequacy(fit)
     # Its numbers may be those of the force as well.
     assert found.quiet and found.leans and not found.certain
-    assert not SlowForce(fit).beyond
+    slow = SlowForce(fit)
+    assert not slow.beyond and slow.spectrum(fit.gram.only(fit.base)) is not None
     monkeypatch.setattr(leaving, "slow_force", lambda _: None)
     # The spectrum of the noise and long pasts explain the thrust errors that one of these forces asks for as well.
     monkeypatch.setattr(leaving, "spectrum", lambda *_: None)
@@ -151,7 +152,10 @@ def test_a_force_of_minutes_beyond_the_declared_one_is_told(seed, sea):
     """The same log beside a vehicle file that declares a fifth of the force."""
     vehicle, train, _ = drawn(seed, sea, declared=0.2)
     fit = fitted(vehicle, train)
-    assert not adequacy(fit).quiet and SlowForce(fit).beyond
+    slow = SlowForce(fit)
+    assert not adequacy(fit).quiet and slow.beyond
+    # What is left beside forces that stay inside the bound is none of the noise.
+    assert slow.spectrum(fit.gram.only(fit.base)) is None
 
 
 def test_noise_faster_than_slow_forces_scatters_what_is_left_beside_them(monkeypatch):

@@ -12,11 +12,11 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.null.frequencies import Spectrum, spectrum
 from ivsid.diagnosis.null.own_past import LAGS, OwnPast, late
+from ivsid.linear.filters import decaying
 
 Array = NDArray[np.float64]
 # Memories of the fading means of past errors, in correlation times of the ambient force.
@@ -34,7 +34,7 @@ class LongPast(OwnPast):
         predictor = self.fit.noise.predictor
         large = np.where(np.abs(errors) > LARGE, errors, 0.0)
         kept = [float(np.exp(-predictor.log.h / (m * max(predictor.ambient.time)))) for m in MEMORIES]
-        means = [late(lfilter([1.0 - a], [1.0, -a], errors, axis=1), 1) for a in kept]
+        means = [late(decaying((1.0 - a) * errors, a), 1) for a in kept]
         return np.concatenate([super()._before(errors), *means, *(late(large, lag) for lag in range(1, LAGS + 1))])
 
     def spectrum(self, g: Gram) -> Spectrum | None:

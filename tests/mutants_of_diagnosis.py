@@ -57,6 +57,20 @@ DIAGNOSIS = (
         "test_long_past.py",
     ),
     python(
+        "swells at a steady speed as vortices",
+        "diagnosis/null/rhythm.py",
+        "FARTHER: Final = 2.0",
+        "FARTHER: Final = 0.0",
+        "test_rhythm.py",
+    ),
+    python(
+        "vortices inside the declared force",
+        "diagnosis/selection/verdict.py",
+        "OF_ONE_ANOTHER, OF_THE_WAY, OF_FORCES",
+        "OF_ONE_ANOTHER, OF_FORCES",
+        "test_rhythm.py",
+    ),
+    python(
         "thrust curves asked beside no slow force",
         "diagnosis/null/round.py",
         "Directions(curve.under(other))",

@@ -21,6 +21,8 @@ from ivsid.diagnosis.null.boxed import Leaving, outside
 from ivsid.diagnosis.null.frequencies import Scatter, Spectrum, as_rare, excess, spectrum
 from ivsid.diagnosis.null.leaving import Others, misread_of, thrusts
 from ivsid.diagnosis.null.own_past import FORETOLD
+from ivsid.diagnosis.null.rhythm import Rhythm, rhythm
+from ivsid.diagnosis.null.slow_force import SlowForce
 from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.selection.dictionary import MEMORY, regressors
 from ivsid.diagnosis.selection.hulls import Asked, asked_of_hulls
@@ -47,6 +49,9 @@ SCATTERED: Final = 2.0
 # Source: theorem: errors inside their bounds part by 1 at most; twice that leaves room for noise whose standard deviation alone is stated. Of 75 sound logs
 # and 45 with causes in the hull or the water one reached 0.95, and compasses near steel and velocities that were lost and kept were 3.2 to 26
 PARTED: Final = 2.0
+# Probability of a line over the way from which on it is no more than chance.
+# Source: definition: a tenth of the risk of structure
+REPEATS: Final = 1e-4
 # Fall of a single regressor beside slow forces from which on it is no scatter of the noise above their frequencies.
 # Source: measured: the examination; sound logs in waves of half a minute had 52 at most, and the scatter takes four fifths of it
 LOUD: Final = 100.0
@@ -77,6 +82,7 @@ class Adequacy:
         beyond_curves: the same beyond any thrust curve inside its accuracy, over the declared one alone; 0 where the log asks for none.
         scattered: channel whose readings scatter most, and by how much at the least, in its stated accuracy.
         parted: channels whose readings follow from one another and part most, and by how much, in what their stated accuracies allow.
+        rhythm: the force that repeats with the way through the water which stands out most.
         risk: probability below which structure is more than chance.
         alone: whether the best single fall is so rare that no second statistic is asked.
         leans: whether past errors or slow forces inside the declared ones had to take structure for no more than chance to be left, so that they may
@@ -100,6 +106,7 @@ class Adequacy:
     beyond_curves: tuple[float, ...] = (0.0, 0.0, 0.0)
     scattered: tuple[str, float] = ("", 0.0)
     parted: tuple[str, float] = ("", 0.0)
+    rhythm: Rhythm = field(default_factory=Rhythm)
     risk: float = RISK
     alone: bool = False
     leans: bool = False
@@ -174,6 +181,7 @@ class Adequacy:
     def quiet(self) -> bool:
         """Whether the innovations hold no more structure than chance, with every declared error and the ambient force inside its bound and every number one of hulls."""
         kept = self.roughest <= ROUGHER and self.scattered[1] <= SCATTERED and self.parted[1] <= PARTED
+        kept = kept and self.rhythm.chance >= REPEATS
         return self.white and self.in_bounds and not self.hulls and kept
 
     def also(self, beside: Adequacy) -> Adequacy:
@@ -254,6 +262,7 @@ def adequacy(fit: Fit) -> Adequacy:
         beyond_curves=beyond_curves,
         scattered=max(fit.noise.scatter.items(), key=lambda q: q[1], default=("", 0.0)),
         parted=max(fit.noise.parted.items(), key=lambda q: q[1], default=("", 0.0)),
+        rhythm=rhythm(fit),
     )
     worst = _none
     if not found.white:
@@ -271,9 +280,13 @@ def adequacy(fit: Fit) -> Adequacy:
             break
         less = Projection(other.beside(wide), own.base)
         beside = found.also(_structure(less, at, names, worst))
-        if not beside.white and beside.strongest[0][2] < LOUD and (colour := other.spectrum(wide)) is not None:
+        loud = not beside.white and beside.strongest[0][2] >= LOUD
+        if not beside.white and not loud and (colour := other.spectrum(wide)) is not None:
             beside = found.also(_structure(less, at, names, worst, excess(fit, own, at, colour)))
         found = max(found, beside, key=lambda q: q.of_regressors)
+        if loud and isinstance(other, SlowForce):
+            # A wave that joins slow forces may follow what is no noise.
+            break
     return replace(found, leans=leans)
 
 

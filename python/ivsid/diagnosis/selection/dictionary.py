@@ -1,4 +1,4 @@
-"""A generic dictionary of regressors: powers and products of velocities, thrusts, heading, place and time in every channel, and memories of the motion.
+"""A generic dictionary of regressors: powers and products of velocities, thrusts, heading, place and time in every channel, and memories of the motion and of the path.
 
 Source: docs/theory.md, "Diagnosis"; Abkowitz, *Lectures on Ship Hydrodynamics*, 1964 (products of the third order); Fedyaevsky and Sobolev 1963 and
 Norrbin 1970 (moduli); Cummins, "The impulse response function and ship motions", Schiffstechnik 9, 1962 (memory of the water).
@@ -34,6 +34,9 @@ HARMONICS: Final = 4
 # Times over which the water remembers the motion, in those of a wave of the hull's length, sqrt(L / g).
 # Source: physics: radiated waves are about gone after one to a few of these times (Cummins 1962), and a free surface in a tank swings as long
 MEMORIES: Final = (1.0, 4.0)
+# Lengths of the way over which a body in tow forgets a turn, in those of the hull.
+# Source: physics: a body that is towed by its front follows a tractrix of the cable's length, and cables are two to some hulls long
+TRAILS: Final = (2.0, 6.0)
 # Acceleration of gravity [m/s^2].
 # Source: physics: standard gravity, ISO 80000-3
 GRAVITY: Final = 9.80665
@@ -126,7 +129,7 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
             process[k] = sizes[k] * f
             names.append(f"{axis}|{name}")
             arrays.append(process)
-        for name, f in _memories(fit, k):
+        for name, f in (*_memories(fit, k), *_trails(fit, k)):
             process = np.zeros((3, 2 * n))
             process[k] = sizes[k] * f
             names.append(f"{axis}|{name}")
@@ -145,3 +148,35 @@ def _memories(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:
         decay = float(np.exp(-log.h / max(times * wave, LEAST_MEMORY * log.h)))
         faded = np.concatenate([decaying((1 - decay) * x, decay) for x in along])
         yield name, faded / max(float(np.sqrt(np.mean(faded**2))), 1e-9)
+
+
+def _trails(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:
+    """Force along an axis of a body in tow, whose pull grows with the square of the speed, of unit size, shape (2 n,); none where yaw is left out.
+
+    The angle between the cable and the hull grows with each turn and fades with the way: to first order a tractrix.
+    """
+    if fit.noise.left_out:
+        return
+    log, nu = fit.noise.predictor.log, fit.states.points.nu
+    length = hull_length(fit.noise.predictor.vehicle)
+    for lengths, name in zip(TRAILS, (f"trailing {MEMORY}", f"long trailing {MEMORY}"), strict=True):
+        angle = np.concatenate(
+            [_fading(h * r, np.exp(-h * np.hypot(u, v) / (lengths * length))) for h, u, v, r in _halves(log.h, nu)]
+        )
+        pull = nu[0] * np.abs(nu[0]) * (np.sin(angle) if k else 1.0 - np.cos(angle))
+        yield name, pull / max(float(np.sqrt(np.mean(pull**2))), 1e-9)
+
+
+def _halves(h: float, nu: Array) -> Iterator[tuple[float, Array, Array, Array]]:
+    """The step, and u, v and r at samples and over steps."""
+    for half in np.split(nu, 2, axis=1):
+        yield h, *half
+
+
+def _fading(x: Array, kept: Array) -> Array:
+    """y_t = x_t + kept_t y_(t-1), at rest before the first sample, shape (n,)."""
+    out, y = [], 0.0
+    for a, b in zip(x.tolist(), kept.tolist(), strict=True):
+        y = a + b * y
+        out.append(y)
+    return np.array(out)

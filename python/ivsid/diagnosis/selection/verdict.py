@@ -10,7 +10,7 @@ from typing import Final
 
 from ivsid.diagnosis.null.levels import STRUCTURE
 from ivsid.diagnosis.null.rule import Rule, first_refusal
-from ivsid.diagnosis.selection.adequacy import PARTED, RISK, ROUGHER, SCATTERED, Adequacy
+from ivsid.diagnosis.selection.adequacy import PARTED, REPEATS, RISK, ROUGHER, SCATTERED, Adequacy
 
 # Share of the excess of the plain model that the right causes may leave. States that the ambient force carries over half a step have less excess in the
 # plain model: on a full simulator's log in a current 0.7 of what it was, of which its six right causes leave 0.0204, and left 0.0148;
@@ -119,6 +119,18 @@ OF_ONE_ANOTHER: Final = Rule[Left](
     "readings that follow from one another part by {value:.2g} times what their stated accuracies allow, and {limit:g} times are none",
     least=False,
 )
+OF_THE_WAY: Final = Rule[Left](
+    "rhythm",
+    "chance of a force that repeats with the way through the water, where it stands out twice as far as any that repeats with time, where "
+    f"{100 * REST:g} % or more of the structure before is left, no cause was found or yaw is left out",
+    f"at least {REPEATS:g}",
+    "Vortices come once in some widths of what sheds them, at any speed: over time their spectrum is that of an ambient force, and over the way it is a line.",
+    "theorem: docs/theory.md, Rhythms",
+    lambda c: c.after.rhythm.chance,
+    lambda _: REPEATS,
+    "a force that repeats with the way through the water has probability {value:.1g}, and {limit:.1g} is the limit",
+    lambda c: not c.little,
+)
 OF_FORCES: Final = Rule[Left](
     "force of no cause",
     "causes that passed every test and that one force of no cause explains as well, or better, or that do not dominate what is left, where "
@@ -145,4 +157,4 @@ OF_ROWS: Final = Rule[Left](
     lambda c: c.findings == 0,
     least=False,
 )
-VERDICT: Final = (STRUCTURE_RULE, OF_HULLS, OF_THE_SEA, OF_READINGS, OF_ONE_ANOTHER, OF_FORCES, OF_ROWS)
+VERDICT: Final = (STRUCTURE_RULE, OF_HULLS, OF_THE_SEA, OF_READINGS, OF_ONE_ANOTHER, OF_THE_WAY, OF_FORCES, OF_ROWS)

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from ivsid.diagnosis.selection.adequacy import PARTED, ROUGHER, SCATTERED, Adequacy
+from ivsid.diagnosis.selection.adequacy import PARTED, REPEATS, ROUGHER, SCATTERED, Adequacy
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.residuals import FindingEvidence
 from ivsid.diagnosis.statements.sensor_words import APART, READ, WORDS
@@ -21,6 +21,7 @@ _SUGGESTED: Final = {
     "x": "it differs from place to place, as a current or a depth does",
     "y": "it differs from place to place, as a current or a depth does",
     "thrust": "it goes with the thrust, as an interaction of thrusters with the hull or with each other does",
+    "trailing": "it trails the path, as a body in tow does",
     "memory": "it trails the motion, as water does that swings in a tank or in waves that the hull made",
     "1": "it is the same all the time, as a steady force or an offset of a sensor is",
 }
@@ -80,6 +81,18 @@ def _read_wrong(left: Adequacy) -> Iterator[tuple[str, str]]:
         if times > limit:
             read, channel = words[name]
             yield channel, sentence.format(read, times)
+
+
+def _repeated(left: Adequacy) -> Iterator[tuple[str, str]]:
+    """The channel of a force that repeats with the way, and a clause on it."""
+    one = left.rhythm
+    if one.chance < REPEATS:
+        kind = "a moment" if one.channel == CHANNELS[2] else "a force"
+        yield (
+            one.channel,
+            f"{kind} in {one.channel} repeats every {one.length:.3g} m of the way through the water, {one.height:.0f} times as strong as its neighbours, and not with the "
+            "time: vortices that a frame, a strut or a line sheds do so every five of its widths",
+        )
 
 
 def _of_force(left: Adequacy) -> tuple[str, str]:
@@ -146,7 +159,7 @@ def unknown(
             channel, z, text = said.channel, float(np.sqrt(most.fall)), wrong
         else:
             text += f"; {wrong}"
-    if odd := [*_rough(left), *_read_wrong(left)]:
+    if odd := [*_rough(left), *_read_wrong(left), *_repeated(left)]:
         rest = [said for _, said in odd]
         if left.white and left.in_bounds:
             channel, z, text = odd[0][0], 0.0, "; ".join(rest)

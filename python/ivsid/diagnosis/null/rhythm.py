@@ -88,7 +88,7 @@ def rhythm(fit: Fit) -> Rhythm:
         if k >= len(CHANNELS):
             continue
         pushed = row * speed**2
-        at, heights = _heights(np.bincount(place, weights=pushed))
+        at, heights = _heights(np.bincount(place, weights=pushed).astype(np.float64))
         at = at / step
         heights = np.where((at >= 1.0 / most) & (at <= 1.0 / least), heights, 0.0)
         j = int(np.argmax(heights))
@@ -103,4 +103,4 @@ def _heights(x: Array) -> tuple[Array, Array]:
     """Frequencies of a series [1/sample], and its power over that of its neighbours at each: exponential in white noise."""
     power = np.abs(np.fft.rfft(x)) ** 2
     mean = uniform_filter1d(power, WIDTH, mode="mirror")
-    return np.fft.rfftfreq(x.size), power / np.maximum(mean, 1e-300)
+    return np.asarray(np.fft.rfftfreq(x.size)), np.asarray(power / np.maximum(mean, 1e-300))

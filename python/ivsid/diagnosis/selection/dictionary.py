@@ -157,20 +157,15 @@ def _trails(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:
     """
     if fit.noise.left_out:
         return
-    log, nu = fit.noise.predictor.log, fit.states.points.nu
+    h, nu = fit.noise.predictor.log.h, fit.states.points.nu
     length = hull_length(fit.noise.predictor.vehicle)
+    # Samples and steps fade by themselves.
+    halves = np.split(nu, 2, axis=1)
     for lengths, name in zip(TRAILS, (f"trailing {MEMORY}", f"long trailing {MEMORY}"), strict=True):
-        angle = np.concatenate(
-            [_fading(h * r, np.exp(-h * np.hypot(u, v) / (lengths * length))) for h, u, v, r in _halves(log.h, nu)]
-        )
+        faded = [_fading(h * r, np.exp(-h * np.hypot(u, v) / (lengths * length))) for u, v, r in halves]
+        angle = np.concatenate(faded)
         pull = nu[0] * np.abs(nu[0]) * (np.sin(angle) if k else 1.0 - np.cos(angle))
         yield name, pull / max(float(np.sqrt(np.mean(pull**2))), 1e-9)
-
-
-def _halves(h: float, nu: Array) -> Iterator[tuple[float, Array, Array, Array]]:
-    """The step, and u, v and r at samples and over steps."""
-    for half in np.split(nu, 2, axis=1):
-        yield h, *half
 
 
 def _fading(x: Array, kept: Array) -> Array:

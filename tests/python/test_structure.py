@@ -11,6 +11,7 @@ from tests.exam.draw import case
 
 from diagnosis_logs import train_of, vehicle_of
 from ivsid import diagnose
+from ivsid.diagnosis import stages
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
@@ -27,6 +28,7 @@ from ivsid.diagnosis.selection.hulls import Asked
 from ivsid.diagnosis.selection.verdict import Left
 from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.effects import CHANNELS, EFFECTS, Given
+from ivsid.errors import IvsidError
 from ivsid.log import Log
 
 
@@ -288,3 +290,35 @@ def test_an_unknown_says_what_its_strongest_regressor_suggests(regressor, words)
     near = structure(20.0)
     said = unknown(replace(near, strongest=((regressor, "yaw", 49.0), *near.strongest)), ()).description
     assert f"strongest with {regressor} in yaw (7 sigma)" in said and words in said
+
+
+BOUNDED = Adequacy(40.0, 40, 0.5, (("u", "surge", 3.0),), 1.0, {}, leaving=30.0, knots=35)
+
+
+@pytest.mark.parametrize(("far", "leaving", "verdict"), [(1.9, 300.0, ""), (2.9, 40.0, ""), (2.9, 300.0, "test.csv")])
+def test_the_other_log_is_asked_where_a_thrust_error_is_far_outside(far, leaving, verdict, monkeypatch):
+    """A gear's backlash of four times the accuracy was no more than chance on one log, and had 1e-13 on the other."""
+    asked = []
+    here = replace(BOUNDED, outside=(("the thrust of port", far),))
+    there = replace(BOUNDED, leaving=leaving, outside=(("the thrust of port", 4.1),), pushed="surge")
+    fit = SimpleNamespace(noise=SimpleNamespace(predictor=SimpleNamespace(vehicle=None)))
+    monkeypatch.setattr(stages, "plain_fit", lambda *given: asked.append(given) or "other fit")
+    monkeypatch.setattr(stages, "adequacy", lambda q: there if q == "other fit" else here)
+    monkeypatch.setattr(stages, "motion_of", lambda *_: ())
+    found, motion = stages._judged(fit, None, None, SimpleNamespace(name="test.csv"), "other log")
+    assert bool(asked) is (far > 2.0) and found.elsewhere == verdict and found.quiet is not bool(verdict)
+    assert (motion is None) is not bool(verdict)
+    if verdict:
+        one = unknown(found, ())
+        assert "leaves on test.csv follow" in one.description and "fitted at 4.1 times" in one.description
+
+
+def test_a_log_that_no_model_follows_says_nothing_of_the_other(monkeypatch):
+    def refused(*_):
+        raise IvsidError("too short")
+
+    here = replace(BOUNDED, outside=(("the thrust of port", 3.0),))
+    fit = SimpleNamespace(noise=SimpleNamespace(predictor=SimpleNamespace(vehicle=None)))
+    monkeypatch.setattr(stages, "adequacy", lambda _: here)
+    monkeypatch.setattr(stages, "plain_fit", refused)
+    assert stages._judged(fit, None, None, SimpleNamespace(name="test.csv"), None) == (here, None)

@@ -19,7 +19,7 @@ from ivsid.diagnosis.null.any_curve import beyond
 from ivsid.diagnosis.null.beyond_curves import rougher_beyond
 from ivsid.diagnosis.null.boxed import Leaving, outside
 from ivsid.diagnosis.null.frequencies import Scatter, Spectrum, as_rare, excess, spectrum
-from ivsid.diagnosis.null.leaving import Others, misread_of, thrusts
+from ivsid.diagnosis.null.leaving import FAR, Others, misread_of, thrusts
 from ivsid.diagnosis.null.own_past import FORETOLD
 from ivsid.diagnosis.null.rhythm import Rhythm, rhythm
 from ivsid.diagnosis.null.slow_force import SlowForce
@@ -76,6 +76,7 @@ class Adequacy:
         knots: number of values of these errors that may.
         pushed: channel in which the thruster pushes whose error is farthest outside of its bound.
         outside: the thrusts, in words, whose fitted error leaves its bound, with its largest value in bounds.
+        elsewhere: name of the other log, where it is that one on which thrust errors leave their bounds; empty where it is not.
         misread: the error of readings that leaves its bound most, by name, with what it gains and the probability of that over all such errors.
         hulls: numbers that the log asks for and that no hull has.
         rougher: ambient acceleration that the log shows at the least, over the declared one with that of thrust errors, by axis.
@@ -100,6 +101,7 @@ class Adequacy:
     knots: int = 0
     pushed: str = ""
     outside: tuple[tuple[str, float], ...] = ()
+    elsewhere: str = ""
     misread: tuple[str, Leaving, float] | None = None
     hulls: tuple[Asked, ...] = ()
     rougher: tuple[float, ...] = (0.0, 0.0, 0.0)
@@ -183,6 +185,29 @@ class Adequacy:
         kept = self.roughest <= ROUGHER and self.scattered[1] <= SCATTERED and self.parted[1] <= PARTED
         kept = kept and self.rhythm.chance >= REPEATS
         return self.white and self.in_bounds and not self.hulls and kept
+
+    @property
+    def strained(self) -> bool:
+        """Whether it is quiet though a fitted thrust error is far outside of its bound: the other log has the same thrusters."""
+        return self.quiet and max((most for _, most in self.outside), default=0.0) > FAR
+
+    def with_thrusts_of(self, other: Adequacy, name: str) -> Adequacy:
+        """The same with the thrust errors of another log of the same model, where that does not allow them inside their bounds.
+
+        Args:
+            other: adequacy of the model fitted to that log.
+            name: of the log.
+        """
+        if other.bounded:
+            return self
+        return replace(
+            self,
+            leaving=other.leaving,
+            knots=other.knots,
+            pushed=other.pushed,
+            outside=other.outside,
+            elsewhere=name,
+        )
 
     def also(self, beside: Adequacy) -> Adequacy:
         """The same with the structure that stands beside more.

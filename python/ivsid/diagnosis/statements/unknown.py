@@ -144,7 +144,7 @@ def unknown(
         where = " and ".join(f"{name} (fitted at {most:.1f} times its accuracy)" for name, most in left.outside)
         what, test = _of_force(left)
         text = (
-            f"the errors that the model leaves follow the motion, and no {what} inside the stated accuracy takes them: either "
+            f"the errors that the model leaves{f' on {left.elsewhere}' if left.elsewhere else ''} follow the motion, and no {what} inside the stated accuracy takes them: either "
             f"{where or 'the thrust'} is off by more than the stated accuracy, or a force that the model lacks goes with the demands; "
             f"all masses and drags may be wrong with it; {test} tells the two apart"
         )

@@ -121,7 +121,7 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
     if fit.noise.left_out:
         # Axes that are left out have no fitted model, so functions of their velocities show no cause.
         functions = {k: f for k, f in functions.items() if "r" not in set(SYMBOLS.findall(k))}
-    names, arrays = [], []
+    names, arrays, trails = [], [], list(_trails(fit))
     sizes = [max(d, LEAST_AMBIENT) for d in predictor.ambient.deviation]
     for k, axis in enumerate(CHANNELS):
         for name, f in functions.items():
@@ -129,7 +129,7 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
             process[k] = sizes[k] * f
             names.append(f"{axis}|{name}")
             arrays.append(process)
-        for name, f in (*_memories(fit, k), *_trails(fit, k)):
+        for name, f in (*_memories(fit, k), *((name, pulls[min(k, 1)]) for name, pulls in trails)):
             process = np.zeros((3, 2 * n))
             process[k] = sizes[k] * f
             names.append(f"{axis}|{name}")
@@ -150,10 +150,10 @@ def _memories(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:
         yield name, faded / max(float(np.sqrt(np.mean(faded**2))), 1e-9)
 
 
-def _trails(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:
-    """Force along an axis of a body in tow, whose pull grows with the square of the speed, of unit size, shape (2 n,); none where yaw is left out.
+def _trails(fit: Fit) -> Iterator[tuple[str, tuple[Array, Array]]]:
+    """Forces ahead and sideways of a body in tow, whose pull grows with the square of the speed, of unit size, shape (2 n,); none where yaw is left out.
 
-    The angle between the cable and the hull grows with each turn and fades with the way: to first order a tractrix.
+    The angle between the cable and the hull grows with each turn and fades with the way: to first order a tractrix. The pull sideways turns the hull as well.
     """
     if fit.noise.left_out:
         return
@@ -163,9 +163,14 @@ def _trails(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:
     halves = np.split(nu, 2, axis=1)
     for lengths, name in zip(TRAILS, (f"trailing {MEMORY}", f"long trailing {MEMORY}"), strict=True):
         faded = [_fading(h * r, np.exp(-h * np.hypot(u, v) / (lengths * length))) for u, v, r in halves]
-        angle = np.concatenate(faded)
-        pull = nu[0] * np.abs(nu[0]) * (np.sin(angle) if k else 1.0 - np.cos(angle))
-        yield name, pull / max(float(np.sqrt(np.mean(pull**2))), 1e-9)
+        angle, pull = np.concatenate(faded), nu[0] * np.abs(nu[0])
+        ahead, sideways = pull * (1.0 - np.cos(angle)), pull * np.sin(angle)
+        yield name, (_of_unit_size(ahead), _of_unit_size(sideways))
+
+
+def _of_unit_size(x: Array) -> Array:
+    """A function of unit mean square."""
+    return np.asarray(x / max(float(np.sqrt(np.mean(x**2))), 1e-9))
 
 
 def _fading(x: Array, kept: Array) -> Array:

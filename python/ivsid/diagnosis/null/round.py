@@ -49,7 +49,7 @@ class Round:
     _left: dict[tuple[tuple[object, ...], tuple[float, ...]], float] = field(
         default_factory=dict, repr=False, compare=False
     )
-    _beside: dict[tuple[int, bool], Directions] = field(default_factory=dict, repr=False, compare=False)
+    _beside: dict[tuple[int, int], Directions] = field(default_factory=dict, repr=False, compare=False)
 
     @cached_property
     def curve(self) -> AnyCurve:
@@ -118,18 +118,19 @@ class Round:
             self._left[asked] = curve.left(s)
         return self._left[asked]
 
-    def left_beside(self, s: Scored, other: Beside) -> float:
+    def left_beside(self, s: Scored, other: Beside, *, closer: bool = False) -> float:
         """The same of scores beside something that all causes share: its part and that of declared errors are asked together.
 
         Args:
             s: a family.
             other: the log's own past errors, or slow forces.
+            closer: whether errors may jump in twice as many cells.
         """
         finer = inside_cells(self.fit, s)
-        asked = id(other), finer
+        curves = self.closer_directions if closer else self.finer_directions if finer else self.directions
+        asked = id(other), id(curves)
         if asked not in self._beside:
-            curve = self.finer_directions.free if finer else self.curve
-            self._beside[asked] = Directions(curve.under(other))
+            self._beside[asked] = Directions(curves.free.under(other))
         return min(self._beside[asked].left(s), other.fall(s))
 
     def faint(self, s: Scored) -> bool:

@@ -88,18 +88,22 @@ class Case:
         past = self.beside_past if self.s.shown < FORETOLD else self.s.shown
         return min(self.s.shown, past, self.beside_slow)
 
-    @cached_property
-    def beside_all(self) -> float:
+    def beside_all(self, *, closer: bool = False) -> float:
         """Chance of what declared errors inside their bounds leave of the cause beside what the rules before ask of.
 
         What each of both takes of the score, one after the other, bounds what they take together. Where that is too much they are asked together.
+
+        Args:
+            closer: whether errors may jump in twice as many cells.
         """
         s, r = self.s, self.round
-        apart = chance_beside(replace(s, lost=self.lost), self.beside_noise)
-        if apart <= WORST or chance_beside(replace(s, lost=self.lost), s.shown) > WORST:
+        alone = replace(s, lost=r.lost(s, closer=True) if closer else self.lost)
+        apart = chance_beside(alone, self.beside_noise)
+        if apart <= WORST or chance_beside(alone, s.shown) > WORST:
             return apart
         others = [*([r.past] if s.shown < FORETOLD else []), *([r.slow] if r.slow is not None else [])]
-        return max((chance(replace(s, fall=r.left_beside(s, q), boxed=0.0)) for q in others), default=apart)
+        left = (r.left_beside(s, q, closer=closer) for q in others)
+        return max((chance(replace(s, fall=q, boxed=0.0)) for q in left), default=apart)
 
     @property
     def over_declared(self) -> float:
@@ -311,7 +315,7 @@ ANY_CURVE: Final = Rule[Case](
     "Any thrust curve inside the stated accuracy is possible, and it acts together with what the log holds without a cause. Errors that are the worst for one "
     "cause are not for causes of another kind, so that their number does not count again.",
     "theorem: docs/theory.md, Any thrust curve inside its accuracy",
-    lambda c: c.beside_all,
+    lambda c: c.beside_all(),
     lambda _: WORST,
     "errors inside the stated accuracies may explain it: beside the worst of them its fall of chi² has probability {value:.1g}, "
     "and {limit:.1g} is the limit",
@@ -323,7 +327,7 @@ CLOSER_CURVE: Final = Rule[Case](
     f"at most {WORST:g}",
     "Errors that jump inside a cell are no constant share of their bound there. Many cells hold many such errors, and some look like any faint cause a little.",
     "definition: the limit of any curve",
-    lambda c: chance_beside(replace(c.s, lost=c.round.lost(c.s, closer=True)), c.beside_noise),
+    lambda c: c.beside_all(closer=True),
     lambda _: WORST,
     "errors inside the stated accuracies that jump more often may explain it: beside the worst of them its fall of chi² has probability {value:.1g}, "
     "and {limit:.1g} is the limit",

@@ -73,8 +73,8 @@ DIAGNOSIS = (
     python(
         "thrust curves asked beside no slow force",
         "diagnosis/null/round.py",
-        "Directions(curve.under(other))",
-        "Directions(curve)",
+        "Directions(curves.free.under(other))",
+        "Directions(curves.free)",
         "test_any_curve.py",
     ),
     python(

@@ -75,7 +75,7 @@ DIAGNOSIS = (
         "diagnosis/null/round.py",
         "Directions(curves.free.under(other))",
         "Directions(curves.free)",
-        "test_any_curve.py",
+        "test_curves_together.py",
     ),
     python(
         "arms asked where yaw is left out",

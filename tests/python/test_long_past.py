@@ -14,7 +14,7 @@ from ivsid.diagnosis.null.long_past import LongPast
 from ivsid.diagnosis.null.own_past import OwnPast
 from ivsid.diagnosis.selection.adequacy import RISK
 from ivsid.vehicle import parse_vehicle
-from test_own_past import by_row, linear, with_cause, with_errors
+from test_own_past import linear, shares_kept, with_cause, with_errors
 
 DRAWS = 20
 
@@ -68,14 +68,7 @@ def test_a_curve_of_large_past_errors_explains_nothing_beside_them(logged, sea):
 
 
 def test_a_cause_that_is_there_stands_beside_them(logged):
-    rng = np.random.default_rng(4)
-    kept = []
-    for s in linear(logged)[::5]:
-        own = by_row(logged.fit, logged.fit.gram.columns(s.columns))[0]
-        information = float(logged.fit.projection.information(list(s.columns))[0, 0])
-        drawn = rng.standard_normal(own.shape)
-        fit = with_errors(logged.fit, drawn + 10.0 / np.sqrt(information) * own)
-        kept.append(np.sqrt(LongPast(fit).fall(s) / fit.projection.solve(s.columns)[1]))
+    kept = shares_kept(logged, LongPast)
     assert len(kept) > 5 and np.median(kept) > 0.85 and min(kept) > 0.6
 
 

@@ -14,7 +14,7 @@ from ivsid.diagnosis.null import rhythm as module
 from ivsid.diagnosis.null.rhythm import rhythm
 from ivsid.diagnosis.selection.adequacy import REPEATS, adequacy
 from ivsid.vehicle import parse_vehicle
-from test_any_curve import with_log
+from test_curves_together import with_log
 from test_own_past import with_errors
 
 HOW = {"kind": "vectored", "style": "rich", "duration": 300.0, "rate": 10.0, "ambient": 1.0, "share": 0.5}

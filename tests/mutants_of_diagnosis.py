@@ -36,10 +36,17 @@ DIAGNOSIS = (
         "test_slow_force.py",
     ),
     python(
+        "gradual forces that thrust errors make",
+        "diagnosis/null/round.py",
+        "else min(more, beyond_step(self.curve, s))",
+        "else more if beyond_step is not None else 0.0",
+        "test_gradual.py",
+    ),
+    python(
         "motors that fail as they grow warm",
-        "diagnosis/null/gradual.py",
-        "gradual(fit, s) - s.fall <= most_beyond(s)",
-        "gradual(fit, s) - s.fall <= np.inf",
+        "diagnosis/null/round.py",
+        "self.gradual(s) <= most_beyond(s)",
+        "self.gradual(s) <= float('inf')",
         "test_gradual.py",
     ),
     python(

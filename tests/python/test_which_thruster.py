@@ -27,17 +27,11 @@ def test_two_thrusters_of_a_straight_course_that_push_alike_are_both_said():
     assert bound.lower <= names.index(true) <= bound.upper
 
 
-GRADUAL = pytest.mark.xfail(
-    raises=StopIteration,
-    reason="a gradual loss explains this failure by 12 in chi-squared better, the most that the rule of gradual forces allows",
-)
-
-
 @pytest.mark.parametrize(
     ("kind", "seed", "size"),
     [
         pytest.param("vectored", 8, 0.6, marks=pytest.mark.nightly),
-        pytest.param("vectored", 7, 0.5618422883674822, marks=[pytest.mark.nightly, GRADUAL]),
+        pytest.param("vectored", 7, 0.5618422883674822, marks=pytest.mark.nightly),
         ("catamaran", 7, 0.6300096170681011),
     ],
 )

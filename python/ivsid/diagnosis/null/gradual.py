@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.null.any_curve import AnyCurve
 
 Array = NDArray[np.float64]
 # Least square of the length of a column.
@@ -41,16 +43,6 @@ LEFT: Final = 1e-6
 def most_beyond(s: Scored) -> float:
     """Largest fall of chi-squared of the gradual force beyond that of a cause that starts at a time."""
     return max(BETTER, CURVED * s.fall)
-
-
-def abrupt(fit: Fit, s: Scored) -> bool:
-    """Whether a cause, if it is one that starts at a time, does.
-
-    Args:
-        fit: of the model without it.
-        s: the cause with its score.
-    """
-    return not s.candidate.starts or gradual(fit, s) - s.fall <= most_beyond(s)
 
 
 def approaches(blocks: int) -> Array:
@@ -81,16 +73,47 @@ def gradual(fit: Fit, s: Scored) -> float:
     """Largest fall of chi-squared of the force of a step where it comes gradually.
 
     Args:
-        fit: of the model without it.
+        fit: of the log without it.
         s: the step with its score.
     """
     g, p, (j,) = fit.gram, fit.projection, s.columns
-    weight = shapes(len(g.blocks))
-    cross = weight @ g.blocks[:, j][:, p.base]
-    own = weight**2 @ g.blocks[:, j, j]
-    information = own - np.einsum("ki,ik->k", cross, np.linalg.solve(p.normal, cross.T))
-    found = weight @ g.score[:, j] - cross @ p.coefficients
-    usable = information > LEFT * np.maximum(own, 1e-300)
+    return _largest(s, p, shapes(len(g.blocks)), g.blocks[:, j][:, p.base], g.blocks[:, j, j], g.score[:, j])
+
+
+def beyond_step(curve: AnyCurve, s: Scored) -> float:
+    """What the gradual force's fall of chi-squared exceeds that of the step by, both beside any thrust curve inside its accuracy.
+
+    Args:
+        curve: the base beside any thrust curve.
+        s: the step with its score.
+    """
+    g, p, (j,) = curve.fit.gram, curve.projection, s.columns
+    count, shape = len(g.blocks), (-1, *g.y.shape)
+    x = g.columns([j])[0]
+    base = curve.g.columns(p.base).reshape(shape)
+    cross = np.stack([base[:, b] @ x[b] for b in range(count)])
+    own, score = np.einsum("bi,bi->b", x, x), np.einsum("bi,bi->b", x, g.y)
+    step = (np.arange(count) >= s.first_block(g, curve.fit.noise.predictor.log)).astype(float)
+    by = [_largest(s, p, weight, cross, own, score) for weight in (shapes(count), step[None])]
+    return by[0] - by[1]
+
+
+def _largest(s: Scored, p: Projection, weight: Array, cross: Array, own: Array, score: Array) -> float:
+    """Largest fall of chi-squared of a column with weights, beside a base.
+
+    Args:
+        s: the step whose column it is.
+        p: least squares on the base.
+        weight: of the column in each block, shape (weights, blocks).
+        cross: products of the column with the base in each block, shape (blocks, base).
+        own: its squared length, shape (blocks,).
+        score: its products with the errors, shape (blocks,).
+    """
+    beside = weight @ cross
+    left = weight**2 @ own
+    information = left - np.einsum("ki,ik->k", beside, np.linalg.solve(p.normal, beside.T))
+    found = weight @ score - beside @ p.coefficients
+    usable = information > LEFT * np.maximum(left, 1e-300)
     if not s.candidate.effect.parameters[s.candidate.effect.draws.index("size")].signed:
         usable &= found > 0.0
     return float(np.where(usable, found**2 / np.where(usable, information, 1.0), 0.0).max())

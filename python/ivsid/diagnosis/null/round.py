@@ -20,6 +20,7 @@ from ivsid.diagnosis.null.beside import Beside
 from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import Directions
 from ivsid.diagnosis.null.frequencies import Frequencies
+from ivsid.diagnosis.null.gradual import beyond_step, gradual, most_beyond
 from ivsid.diagnosis.null.inside_cells import CLEAR, CLOSER, FINER, inside_cells
 from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
@@ -132,6 +133,18 @@ class Round:
         if asked not in self._beside:
             self._beside[asked] = Directions(curves.free.under(other))
         return min(self._beside[asked].left(s), other.fall(s))
+
+    def gradual(self, s: Scored) -> float:
+        """What a force that comes gradually explains beyond one that starts at a time, also where thrust errors inside their accuracy explain what they can.
+
+        Errors of a thrust come and go with its demands, and where these change over minutes they are like a gradual force.
+        """
+        more = gradual(self.fit, s) - s.fall
+        return more if more <= most_beyond(s) else min(more, beyond_step(self.curve, s))
+
+    def abrupt(self, s: Scored) -> bool:
+        """Whether a cause, if it is one that starts at a time, does."""
+        return not s.candidate.starts or self.gradual(s) <= most_beyond(s)
 
     def faint(self, s: Scored) -> bool:
         """Whether errors inside the usual cells may look like a cause by chance, and no stronger one is found first."""

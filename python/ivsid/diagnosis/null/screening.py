@@ -17,7 +17,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.roughness import ERRORS
-from ivsid.diagnosis.null.gradual import BETTER, CURVED, gradual, most_beyond
+from ivsid.diagnosis.null.gradual import BETTER, CURVED, most_beyond
 from ivsid.diagnosis.null.inside_cells import CLEAR
 from ivsid.diagnosis.null.own_past import FORETOLD
 from ivsid.diagnosis.null.round import Round
@@ -216,11 +216,11 @@ NEGLIGIBLE_RULE: Final = Rule[Case](
 )
 ABRUPT: Final = Rule[Case](
     "abrupt",
-    "fall of chi² by the same force where it comes gradually, beyond that of a start at a time",
+    "fall of chi² by the same force where it comes gradually, beyond that of a start at a time, by itself and beside any thrust curve inside its accuracy",
     f"at most {BETTER:g}, or {CURVED:.0%} of the fall where that is more",
     "A motor that grows warm, a battery or a growing load changes a force over minutes, and a start at a time somewhere in such a change explains most of it.",
     "definition: 0.3 % of normal errors lie beyond three standard deviations",
-    lambda c: gradual(c.round.fit, c.s) - c.s.fall,
+    lambda c: c.round.gradual(c.s),
     lambda c: most_beyond(c.s),
     "the same force explains {value:.0f} more in chi² where it comes gradually and not at a time, and by more than {limit:.0f} it is no cause that starts",
     lambda c: c.s.candidate.starts,

@@ -16,7 +16,6 @@ from ivsid.diagnosis.estimation.learning import learn
 from ivsid.diagnosis.estimation.noise import Noise, quick_enough
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
-from ivsid.diagnosis.null.gradual import abrupt
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.null.screening import IMITATED
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
@@ -88,7 +87,7 @@ def admit(
         {
             s.id: s
             for s in (*(q for q in near if q.id not in outsiders), *passed)
-            if s.physical and test.eligible(s) and abrupt(fit, s)
+            if s.physical and test.eligible(s) and screened.round.abrupt(s)
         }.values(),
         key=lambda s: -s.merit,
     )

@@ -17,7 +17,6 @@ from ivsid.diagnosis.estimation.fit import survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.family_wise import Threshold
-from ivsid.diagnosis.null.gradual import abrupt
 from ivsid.diagnosis.null.round import Round
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.null.screening import ABRUPT, IMITATED, Case
@@ -87,7 +86,7 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
             return Reviewed(True, [f for f in found if f is not one], without, refused | {one.id: refusal})
         near = contenders(scored, mine.merit)
         near = [s for s in near if s.id not in others and s.id != one.id and s.physical and passes.eligible(s)]
-        near = [s for s in near if abrupt(bare, s)]
+        near = [s for s in near if alone.abrupt(s)]
         near = near[: FINALISTS - 1]
         tried = side_by_side([partial(fitted, problem, bare, s) for s in near], partial(starts, bare, near))
         rivals = sorted(

@@ -4,6 +4,13 @@ from tests.mutant import python
 
 ESTIMATION = (
     python(
+        "yaw accelerations as means of accelerometers that average",
+        "diagnosis/prediction/states.py",
+        "np.concatenate([np.concatenate([x[:2, :1], x[:2, n:-1]], axis=1), x[2:, :n]])",
+        "np.concatenate([x[:, :1], x[:, n:-1]], axis=1)",
+        "test_irregular_clock.py",
+    ),
+    python(
         "rates of velocities as specific forces",
         "diagnosis/prediction/filtered_states.py",
         "if not rates[1]:",

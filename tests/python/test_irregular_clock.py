@@ -26,7 +26,7 @@ sampling = "{sampling}"
 """
 
 
-def sailed(seconds, seed, astray, usual=0.1, feels=None, sent=None):
+def sailed(seconds, seed, astray, usual=0.1, feels=None, sent=None, turns=False):
     """The craft by hand: rows a usual step apart, as a rule, and demands that change at rows and hold until the next.
 
     Args:
@@ -36,10 +36,11 @@ def sailed(seconds, seed, astray, usual=0.1, feels=None, sent=None):
         usual: step [s].
         feels: whether an accelerometer is read at the rows (False) or gives means over the step before them (True), or there is none.
         sent: both demands at a time, in place of new ones every 0.8 s.
+        turns: whether the yaw acceleration is read at the rows.
     """
     rng = np.random.default_rng(seed)
     t = np.cumsum(usual * (1 + astray * rng.uniform(-1, 1, round(seconds / usual))))
-    state, out, demand, felt, mean = np.zeros(4), [], np.zeros(2), [], np.zeros(2)
+    state, out, demand, felt, mean, turned = np.zeros(4), [], np.zeros(2), [], np.zeros(2), []
     for k, step in enumerate(np.diff(t, append=t[-1] + usual)):
         if sent is not None:
             demand = sent(t[k])
@@ -64,6 +65,7 @@ def sailed(seconds, seed, astray, usual=0.1, feels=None, sent=None):
             return np.array([du - x[1] * x[2], dv + x[0] * x[2]])
 
         felt.append(mean if feels and k else push(state))
+        turned.append(rates(state)[2])
         h, mean = step / PARTS, np.zeros(2)
         for _ in range(PARTS):
             a = rates(state)
@@ -78,6 +80,8 @@ def sailed(seconds, seed, astray, usual=0.1, feels=None, sent=None):
     if feels is not None:
         ax, ay = np.array(felt).T + 0.005 * rng.standard_normal((2, t.size))
         columns |= {"ax": ax, "ay": ay}
+    if turns:
+        columns["rdot"] = np.array(turned) + 0.002 * rng.standard_normal(t.size)
     return Log("craft.csv", "0" * 64, t - t[0], columns)
 
 
@@ -108,6 +112,15 @@ def test_means_over_irregular_rows_are_those_of_their_rows(usual, sampling):
     data = channels(log, vehicle)
     assert data.h > 1.5 * usual and isinstance(data.between, Straddled)
     found = screened(vehicle, log)
+    assert found.passed == [] and found.quiet
+
+
+def test_a_yaw_acceleration_is_read_at_its_rows_beside_accelerometers_that_average():
+    """It has a sensor of its own; as means over the step before, its readings were those of a sea six times as rough in yaw as declared."""
+    craft = CRAFT.replace("time_constant = {lag}\n", "")
+    felt = FELT.format(sampling="averaged") + "[sensors.yaw_acceleration]\naccuracy = 0.01\n\n"
+    vehicle = parse_vehicle(craft.replace("[ambient]", f"{felt}[ambient]"), "craft.toml")
+    found = screened(vehicle, sailed(100.0, 3, 0.0, feels=True, turns=True))
     assert found.passed == [] and found.quiet
 
 

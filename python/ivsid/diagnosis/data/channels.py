@@ -175,7 +175,8 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     nu = np.stack([resample(n) for n in VELOCITIES])
     between = _inside_steps(vehicle, resample, fixed=fixed) if held else None
     since = None if not averaged else 0 if between is None else between.demands.shape[2]
-    ax, ay, rdot = (resample.optional(n, since=since) for n in ("ax", "ay", "rdot"))
+    ax, ay = (resample.optional(n, since=since) for n in ("ax", "ay"))
+    rdot = resample.optional("rdot")
     rates = tuple(a is None and name in log.columns for a, name in ((ax, "udot"), (ay, "vdot")))
     ax = resample.optional("udot", since=since) if rates[0] else ax
     ay = resample.optional("vdot", since=since) if rates[1] else ay

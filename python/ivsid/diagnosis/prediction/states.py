@@ -297,7 +297,7 @@ class StateFilter:
         """Prediction errors of readings at these states, shape (rows, n)."""
         log, n = self.log, self.log.n
         inputs: dict[tuple[int, str], Array] = {}
-        specific, over_steps = states.specific, states.over_steps
+        seen, over_steps = self.at_samples(states.specific), states.over_steps
         for k in range(3):
             here = readings[k]
             if k == 2 and self.rate is not None:
@@ -316,7 +316,7 @@ class StateFilter:
                     turned -= log.h**2 * np.r_[0.0, np.cumsum(states.inside.moment[k, :-1])]
                 inputs[k, "position"] = turned
             if "acceleration" in self.axes[k].outputs:
-                inputs[k, "acceleration"] = here["acceleration"] - self.at_samples(specific[k])
+                inputs[k, "acceleration"] = here["acceleration"] - seen[k]
         for k in range(3, len(self.axes)):
             x = readings[k]["position"]
             inputs[k, "velocity"], inputs[k, "process"] = x - x[0], states.over[k - 3]
@@ -327,14 +327,14 @@ class StateFilter:
         return self._errors(self.readings(states), states)
 
     def at_samples(self, x: Array) -> Array:
-        """An accelerometer's view of a quantity at samples and over steps, shape (..., 2 n) to (..., n).
+        """Readings of accelerations at samples and over steps, shape (3, 2 n) to (3, n).
 
-        It reads the value at a sample, or, if it averages, the mean over the step before.
+        Each is the value at a sample, or, of accelerometers that average, the mean over the step before; ``rdot`` has a sensor of its own.
         """
         n = self.log.n
         if not self.log.averaged:
-            return x[..., :n]
-        return np.concatenate([x[..., :1], x[..., n:-1]], axis=-1)
+            return x[:, :n]
+        return np.concatenate([np.concatenate([x[:2, :1], x[:2, n:-1]], axis=1), x[2:, :n]])
 
     def exact(self, states: FilteredStates) -> dict[str, Array]:
         """Readings of exact sensors at the origin at these states, shape (n,) each, by channel."""

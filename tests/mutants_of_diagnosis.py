@@ -134,6 +134,13 @@ DIAGNOSIS = (
         "test_findings.py",
     ),
     python(
+        "names beside a force that leaves no structure",
+        "diagnosis/statements/findings.py",
+        "max(rest.unexplained, FAINT)",
+        "max(rest.unexplained, 0.0 * FAINT)",
+        "test_findings.py",
+    ),
+    python(
         "a model without a cause that passed as adequate",
         "diagnosis/stages.py",
         "imitated=(*rest.imitated, *(f.fall for f in faint)),",

@@ -55,6 +55,13 @@ def test_a_cause_beside_unexplained_structure_takes_nine_times_as_much():
     assert named([11.0], 100.0, complete=True) == [IDS[0]]
 
 
+def test_a_cause_beside_a_force_that_leaves_no_structure_takes_nine_times_what_counts():
+    """A screw that draws air in bursts was a failure of 101 in chi-squared, and liquid in a tank a sway drag of 86, beside seas that nobody declared."""
+    assert named([230.0], 0.0) == [IDS[0]]
+    assert named([220.0], 0.0) == []
+    assert named([101.0, 230.0], 0.0) == []
+
+
 def test_a_cause_beside_what_noise_of_few_frequencies_may_make_takes_three_times_as_much():
     """A tenth of what is left acts in the channels of the cause."""
     assert named([9.0], 100.0, complete=True, chance=0.1) == [IDS[0]]

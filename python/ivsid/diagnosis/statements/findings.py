@@ -18,6 +18,7 @@ from ivsid.diagnosis.candidates.intervals import Bound, Reach, intervals
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
+from ivsid.diagnosis.null.screening import FAINT
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.selection.adequacy import Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found, swapped
@@ -122,8 +123,9 @@ def findings_of(
         swaps = swapped(selection.found, found.id)
         said = partial(finding, found, last, selection.leftover, evidence, selection.curves, swaps)
         one = said(unknown=not rest.quiet)
+        # A force that no cause explains may pass for noise, which leaves no structure: what counts as no finding is left at the least.
         left = nothing + (
-            rest.beside(last, own_columns(last, found.id), memory=louder) if complete else rest.unexplained
+            rest.beside(last, own_columns(last, found.id), memory=louder) if complete else max(rest.unexplained, FAINT)
         )
         case = _held(selection, found, one, rest, left, complete=complete, louder=louder)
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])

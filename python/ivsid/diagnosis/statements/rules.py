@@ -37,7 +37,8 @@ class Held:
     Attributes:
         effect: the cause.
         fall: of chi-squared against the model without it.
-        left: unexplained chi-squared, in its channels alone where little is left, and what refused causes take that are weaker.
+        left: unexplained chi-squared, in its channels alone where little is left and ``FAINT`` at the least where more is, and what refused causes take that
+            are weaker.
         parameters: its intervals.
         complete: whether little enough structure is left for a verdict.
         quiet: whether no structure is left.
@@ -111,8 +112,9 @@ DOMINANT_RULE: Final = Rule[Held](
     "dominant",
     "fall of chi² over the unexplained chi² and what weaker causes take that are refused, where structure is left, or more than noise of all frequencies "
     "alone makes",
-    f"at least {DOMINANT:g}, or in its channels {BESIDE_NOISE:g} where noise of few frequencies may make it, and 1 where little is left",
-    "What no cause explains may be most of what this cause seems to explain, and several wrong causes imitate what no single one does. Noise of few "
+    f"at least {DOMINANT:g}, with {FAINT:g} unexplained at the least, or in its channels {BESIDE_NOISE:g} where noise of few frequencies may make it, and 1 where little is left",
+    "What no cause explains may be most of what this cause seems to explain, and several wrong causes imitate what no single one does. A force beyond the "
+    "declared one that passes for noise leaves no structure, and makes causes as well. Noise of few "
     "frequencies may be what is left, and may as well be the rest of another cause.",
     "make constants",
     lambda c: c.fall / c.left if c.left > 0 else float("inf"),

@@ -88,5 +88,13 @@ def test_sentences_on_known_forces_speak_of_no_curve():
     push = log.columns["force_X"]
     wrong = replace(log, columns={**log.columns, "force_X": push + 4.0 * np.sin(0.3 * push)})
     left = screened(pushed(), wrong).fit
-    text = unknown(adequacy(left), []).description
+    found = adequacy(left)
+    text = unknown(found, []).description
+    # A thrust that is far outside drags the others along.
+    beyond = replace(found, leaving=1000.0, knots=10)
+    far = replace(beyond, outside=(("port", 4.3), ("bow", 44.8), ("stern", 2.8)))
+    near = replace(beyond, outside=(("port", 4.3), ("bow", 5.2)))
+    said = [unknown(one, []).description for one in (far, near)]
+    assert "bow (fitted at 44.8 times its accuracy, and no other at more than 4.3 times) is off" in said[0]
+    assert "bow (fitted at 5.2 times its accuracy) and port (fitted at 4.3 times its accuracy) is off" in said[1]
     assert "known force_X" in text and not any(word in text for word in ("curve", "bollard", "thruster"))

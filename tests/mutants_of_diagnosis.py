@@ -36,6 +36,13 @@ DIAGNOSIS = (
         "test_slow_force.py",
     ),
     python(
+        "sizes far beyond the usual one",
+        "diagnosis/null/screening.py",
+        "UNUSUAL: Final = 2.0",
+        "UNUSUAL: Final = 20.0",
+        "test_unusual_sizes.py",
+    ),
+    python(
         "gradual forces that thrust errors make",
         "diagnosis/null/round.py",
         "else min(more, beyond_step(self.curve, s))",

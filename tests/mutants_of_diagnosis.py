@@ -45,8 +45,8 @@ DIAGNOSIS = (
     python(
         "gradual forces that thrust errors make",
         "diagnosis/null/round.py",
-        "else min(more, beyond_step(self.curve, s))",
-        "else more if beyond_step is not None else 0.0",
+        "return beside if beside <= 0.0 else more",
+        "return more",
         "test_gradual.py",
     ),
     python(

@@ -140,7 +140,11 @@ class Round:
         Errors of a thrust come and go with its demands, and where these change over minutes they are like a gradual force.
         """
         more = gradual(self.fit, s) - s.fall
-        return more if more <= most_beyond(s) else min(more, beyond_step(self.curve, s))
+        if more <= most_beyond(s):
+            return more
+        # Beside the curves less is left of either, so that they decide only where they reverse it.
+        beside = beyond_step(self.curve, s)
+        return beside if beside <= 0.0 else more
 
     def abrupt(self, s: Scored) -> bool:
         """Whether a cause, if it is one that starts at a time, does."""

@@ -4,11 +4,18 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tests.exam.cases import case
 
+from diagnosis_logs import logs_of_case
 from ivsid.diagnosis.candidates import intervals
+from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.candidates.intervals import Bound
 from ivsid.diagnosis.candidates.profile import region
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.fit import survey
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.effects import EFFECTS, Given
+from ivsid.vehicle import parse_vehicle
 
 
 def strip(north, east):
@@ -51,3 +58,16 @@ def test_an_anchor_far_beyond_the_track_has_no_bound(monkeypatch, end, open_):
     north, east = out.values()
     assert (north.lower, north.upper) == (-5.0, np.inf if open_ else end)
     assert (east.lower, east.upper) == (1.0, 3.0)
+
+
+def test_the_arm_of_a_pull_is_open_where_yaw_is_left_out():
+    """No row tells of it: its interval had ends of 1e155 m."""
+    c = case(254090, what="none", style="line", kind="rov", duration=120.0, sea="any", sensors="any")
+    vehicle = parse_vehicle(c.text, "v.toml")
+    fit = plain_fit(vehicle, channels(logs_of_case(c)[0], vehicle), everything)
+    assert fit.noise.left_out == {2}
+    h = fit.h.with_effect(Given(EFFECTS["tether.tension"], (1.0, 200.0, 30.0, 0.0)))
+    pulled = survey(fit.noise, fit.states.under(h), fit.fixed)
+    found = {n.removeprefix("tether.tension."): b for n, b in intervals.intervals(pulled, "tether.tension").items()}
+    assert (found["arm"].lower, found["arm"].upper) == (-np.inf, np.inf)
+    assert np.isfinite(found["force"].upper) and found["force"].upper < 1e6

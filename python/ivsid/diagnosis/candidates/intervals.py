@@ -30,6 +30,9 @@ HIDDEN: Final = 2.0
 # A cause is no other than those that were found if their columns leave this share of its signature's squared length.
 # Source: measured: make constants
 SAME: Final = 1e-3
+# Squared length of a column, in its unit length, below which the log has nothing of it.
+# Source: definition: it is one or zero, up to rounding
+MOVES: Final = 0.5
 # Distance of an anchor, in the reach of the track, from which on an end of its interval is open.
 # Source: geometry: a pull from there turns by half a degree over the whole track
 FAR: Final = 100.0
@@ -130,6 +133,11 @@ def intervals(
             continue
         sigma = float(np.sqrt(max(variance[i], robust[i]))) / float(g.unit[k])
         value, parameter = _number(fit, name)
+        least = -np.inf if parameter.lowest is None else parameter.lowest
+        if g.total[k, k] < MOVES:
+            # Nothing of the log moves with the number, as with an arm where yaw is left out.
+            out[name] = Bound(least, np.inf, parameter.unit, parameter.symbol)
+            continue
         # The last step of the fit is not taken, so that the interval has to hold it.
         rest = abs(float(p.coefficients[i])) / float(g.unit[k])
         reach = SIGMAS * sigma + rest
@@ -138,13 +146,34 @@ def intervals(
         worse = max(worse, robust[i] / variance[i])
         unit = float(g.unit[k])
         low, high = (shifted[:, i] / unit).tolist()
-        least = -np.inf if parameter.lowest is None else parameter.lowest
         down, up = swapped.get(name, (0.0, 0.0))
         within = (max(value - reach + low, least), value + reach + high)
         low, high = (hidden[:, i] / unit).tolist()
         lower, upper = max(value - wide + low + down, least), value + wide + high + up
         out[name] = Bound(lower, upper, parameter.unit, parameter.symbol, within=within)
     _canonical(out, id_)
+    _searched(fit, id_, worse, out, curves, swapped)
+    return out
+
+
+def _searched(
+    fit: Fit,
+    id_: str,
+    worse: float,
+    out: dict[str, Bound],
+    curves: Mapping[str, Reach],
+    swapped: Mapping[str, tuple[float, float]],
+) -> None:
+    """Adds the intervals of numbers that are searched: thrusters, places, and those in which the errors bend or jump.
+
+    Args:
+        fit: of the last model.
+        id_: of the effect.
+        worse: variance by the scatter of half-minutes over the variance by the noise model.
+        out: intervals by name.
+        curves: as of ``intervals``.
+        swapped: likewise.
+    """
     for given in fit.h.given:
         if given.effect.id != id_:
             continue
@@ -174,7 +203,6 @@ def intervals(
                 )
                 lower, upper = max(lower - error, 0.0), upper + error
             out[given.effect.parts[j]] = Bound(lower, upper, parameter.unit, parameter.symbol)
-    return out
 
 
 def _thrusters(fit: Fit, given: Given, j: int, worse: float) -> list[int]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import copysign, isfinite
 from typing import Final
 
 from ivsid.diagnosis.candidates.intervals import Bound
@@ -105,7 +106,9 @@ class Held:
         said = bound.lower, bound.upper
         # What is unknown widens every interval; here it is asked whether the cause is there beside it.
         lower, upper = said if self.quiet else bound.within or said
-        return max(lower - none, none - upper) / max(0.5 * (upper - lower), 1e-300)
+        beyond = max(lower - none, none - upper)
+        # An interval without an end has no half-width, and may have "no effect" beyond its other end all the same.
+        return beyond / max(0.5 * (upper - lower), 1e-300) if isfinite(upper - lower) else copysign(1.0, beyond)
 
 
 DOMINANT_RULE: Final = Rule[Held](

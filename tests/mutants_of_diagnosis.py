@@ -45,8 +45,8 @@ DIAGNOSIS = (
     python(
         "gradual forces that thrust errors make",
         "diagnosis/null/round.py",
-        "return beside if beside <= 0.0 else more",
-        "return more",
+        "more = slow - sudden if sudden >= max(slow, BETTER) else more",
+        "more = more if slow < sudden else more",
         "test_gradual.py",
     ),
     python(

@@ -4,6 +4,13 @@ from tests.mutant import python
 
 ESTIMATION = (
     python(
+        "yaw accelerations of null logs as means",
+        "diagnosis/null/simulated_logs.py",
+        "np.concatenate([np.concatenate([specific[:2, :1], mean], axis=1), specific[2:]])",
+        "np.concatenate([np.concatenate([specific[:2, :1], mean], axis=1), np.diff(x[2:3], axis=1, prepend=0.0) / log.h])",
+        "test_null_logs.py",
+    ),
+    python(
         "yaw accelerations as means of accelerometers that average",
         "diagnosis/prediction/states.py",
         "np.concatenate([np.concatenate([x[:2, :1], x[:2, n:-1]], axis=1), x[2:, :n]])",

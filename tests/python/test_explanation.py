@@ -133,6 +133,13 @@ def test_every_paragraph_is_made_of_the_numbers(result, seen):
     made = explain(_with_alternatives(result), seen)[0]
     assert "does not tell it from friction.coulomb" in made[3] and "coast" in made[4] and "coast" in made[5]
     assert "that of the first name without the others" in made[3]
+    # What a log does not tell of a cause stands before the causes that it does not tell from it.
+    several = _with_alternatives(result)
+    untold = replace(
+        several, findings=(replace(several.findings[0], description="a start may be a change over minutes"),)
+    )
+    said = explain(untold, seen)[0][3]
+    assert said.index("a start may be a change over minutes; the log does not tell it from friction.coulomb") > 0
 
 
 def _with_alternatives(result):

@@ -126,6 +126,7 @@ def test_a_number_that_may_be_none_names_nothing(lower, upper, within, quiet, na
         ("drag.surge.hump", {"height": (0.0, 209.0), "speed": (0.0, 2.8), "width": (0.0, 3.0)}, False),
         ("drag.surge.hump", {"height": (4.0, 20.0), "speed": (0.0, 2.8), "width": (0.0, 3.0)}, True),
         ("payload.step", {"mass": (-51900.0, 10200.0), "time": (20.0, 30.0)}, False),
+        ("drag.surge.hump", {"height": (0.0, math.inf), "speed": (0.0, 2.8), "width": (0.0, 3.0)}, False),
         # An end that the log leaves open is no reason beyond the other one.
         ("wind.steady", {"north": (-math.inf, math.inf), "east": (-0.1, 0.2)}, False),
         ("wind.steady", {"north": (-math.inf, math.inf), "east": (0.1, math.inf)}, True),

@@ -182,7 +182,7 @@ def _searched(
                 known = fit.noise.predictor.vehicle.thrusters
                 like = _thrusters(fit, given, j, worse)
                 named = " or ".join(known[k].name for k in like)
-                out[name] = Bound(like[0], like[-1], parameter.unit, parameter.symbol, stands_for=named)
+                out[name] = Bound(float(like[0]), float(like[-1]), parameter.unit, parameter.symbol, stands_for=named)
         if given.effect.form.place:
             _places(fit, given, worse, out, swapped)
         for j in bent(given):
@@ -263,6 +263,8 @@ def _canonical(out: dict[str, Bound], id_: str) -> None:
     """Chooses one of several equal descriptions of an effect."""
     effect = EFFECTS[id_]
     own = {p.part: name for p, name in zip(effect.parameters, effect.parts, strict=True) if name in out}
+    if not all(np.isfinite(out[n].upper) for n in own.values()):
+        return
     for part, (lower, upper) in effect.form.canonical(
         {q: (out[n].lower, out[n].upper) for q, n in own.items()}
     ).items():

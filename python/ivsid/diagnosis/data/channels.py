@@ -268,7 +268,10 @@ def _inside_steps(vehicle: Vehicle, resample: Resampler, *, fixed: bool) -> Betw
     if not astray:
         return _between(vehicle, resample, parts, _read(parts, count))
     between = _between(vehicle, resample, parts, (0,))
-    felt = (*read_in(resample.log, ACCELERATIONS), "u")[0]
+    # Means over the step before hold what happened between their rows.
+    sensor = vehicle.sensors.acceleration
+    averages = sensor is not None and sensor.sampling == "averaged"
+    felt = (*(n for n in read_in(resample.log, ACCELERATIONS) if n == "rdot" or not averages), "u")[0]
     return Straddled.of(between, resample.places, resample.rows("u", parts), resample.rows(felt, parts))
 
 

@@ -33,7 +33,7 @@ ENDS: Final = tuple(k / 10 for k in range(11))
 # Source: definition: 0.3 % of normal errors lie beyond
 BETTER: Final = 9.0
 # The same as a share of the step's fall: equations that are linear in a large step are off by a part of it.
-# Source: measured: the examination; steps of payloads and failures were up to 2.4 % behind a gradual force, motors that grow warm at least 4.9 %
+# Source: measured: the examination; steps of payloads and failures that thrust curves do not reverse were up to 2.4 % behind a gradual force, motors that grow warm at least 4.9 %
 CURVED: Final = 0.035
 # A column has to keep this share of its squared length beside the base.
 # Source: geometry: as for a step, above the rounding of cross-products
@@ -80,8 +80,8 @@ def gradual(fit: Fit, s: Scored) -> float:
     return _largest(s, p, shapes(len(g.blocks)), g.blocks[:, j][:, p.base], g.blocks[:, j, j], g.score[:, j])
 
 
-def beyond_step(curve: AnyCurve, s: Scored) -> float:
-    """What the gradual force's fall of chi-squared exceeds that of the step by, both beside any thrust curve inside its accuracy.
+def beside_curves(curve: AnyCurve, s: Scored) -> tuple[float, float]:
+    """Falls of chi-squared of a step, and of its force where it comes gradually, both beside any thrust curve inside its accuracy.
 
     Args:
         curve: the base beside any thrust curve.
@@ -94,8 +94,8 @@ def beyond_step(curve: AnyCurve, s: Scored) -> float:
     cross = np.stack([base[:, b] @ x[b] for b in range(count)])
     own, score = np.einsum("bi,bi->b", x, x), np.einsum("bi,bi->b", x, g.y)
     step = (np.arange(count) >= s.first_block(g, curve.fit.noise.predictor.log)).astype(float)
-    by = [_largest(s, p, weight, cross, own, score) for weight in (shapes(count), step[None])]
-    return by[0] - by[1]
+    sudden, slow = (_largest(s, p, weight, cross, own, score) for weight in (step[None], shapes(count)))
+    return sudden, slow
 
 
 def _largest(s: Scored, p: Projection, weight: Array, cross: Array, own: Array, score: Array) -> float:

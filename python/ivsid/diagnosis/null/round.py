@@ -20,7 +20,7 @@ from ivsid.diagnosis.null.beside import Beside
 from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import Directions
 from ivsid.diagnosis.null.frequencies import Frequencies
-from ivsid.diagnosis.null.gradual import beyond_step, gradual, most_beyond
+from ivsid.diagnosis.null.gradual import BETTER, beside_curves, gradual, most_beyond
 from ivsid.diagnosis.null.inside_cells import CLEAR, CLOSER, FINER, inside_cells
 from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
@@ -48,6 +48,9 @@ class Round:
     chance: float
     seen: Mapping[str, Visibility]
     _left: dict[tuple[tuple[object, ...], tuple[float, ...]], float] = field(
+        default_factory=dict, repr=False, compare=False
+    )
+    _gradual: dict[tuple[tuple[object, ...], tuple[float, ...]], float] = field(
         default_factory=dict, repr=False, compare=False
     )
     _beside: dict[tuple[int, int], Directions] = field(default_factory=dict, repr=False, compare=False)
@@ -139,16 +142,23 @@ class Round:
 
         Errors of a thrust come and go with its demands, and where these change over minutes they are like a gradual force.
         """
-        more = gradual(self.fit, s) - s.fall
-        if more <= most_beyond(s):
-            return more
-        # Beside the curves less is left of either, so that they decide only where they reverse it.
-        beside = beyond_step(self.curve, s)
-        return beside if beside <= 0.0 else more
+        asked = (s.id, *s.columns), s.theta
+        if asked not in self._gradual:
+            more = gradual(self.fit, s) - s.fall
+            if more > most_beyond(s):
+                # Beside the curves less is left of either, so that they decide only where they reverse it and something is left.
+                sudden, slow = beside_curves(self.curve, s)
+                more = slow - sudden if sudden >= max(slow, BETTER) else more
+            self._gradual[asked] = more
+        return self._gradual[asked]
 
     def abrupt(self, s: Scored) -> bool:
         """Whether a cause, if it is one that starts at a time, does."""
         return not s.candidate.starts or self.gradual(s) <= most_beyond(s)
+
+    def lingers(self, s: Scored) -> bool:
+        """Whether the log does not tell a cause that starts at a time from the same force that comes gradually."""
+        return s.candidate.starts and self.gradual(s) > -BETTER
 
     def faint(self, s: Scored) -> bool:
         """Whether errors inside the usual cells may look like a cause by chance, and no stronger one is found first."""

@@ -156,13 +156,13 @@ def _beside(fit: Fit, s: Scored, other: Scored) -> float:
 VISIBLE_RULE: Final = Rule[Case](
     "visible",
     "z of the cause at its typical size",
-    f"at least {VISIBLE:g}, or 1/{UNUSUAL:g} of the z that a cause shows that is not faint",
-    f"A log that would hardly show the usual size shows an unusual size or another cause. A cause that shows no more than {UNUSUAL:g} times what its usual size would is none. "
+    f"at least {VISIBLE:g} for a faint cause, and 1/{UNUSUAL:g} of the z that any other shows",
+    f"A log that would hardly show the usual size shows an unusual size or another cause. Where the cause shows at most {UNUSUAL:g} times what its usual size would, its size is not unusual. "
     "A fall beyond doubt, and causes that are searched, are not asked.",
     "make exam",
     lambda c: c.round.seen[c.s.id].z if c.s.id in c.round.seen else 0.0,
-    lambda c: VISIBLE if c.s.shown < FAINT else min(VISIBLE, float(np.sqrt(c.s.shown)) / UNUSUAL),
-    "this log does not test it: at its typical size it would stand out by {value:.1f} standard deviations, and {limit:.1f} are needed",
+    lambda c: VISIBLE if c.s.shown < FAINT else float(np.sqrt(c.s.shown)) / UNUSUAL,
+    "this log does not test it: at its typical size it would stand out by {value:.1f} standard deviations, and {limit:.1f} are needed beside what it shows",
     lambda c: not c.round.blind(c.s.id) and c.s.shown < BEYOND_DOUBT and not c.s.candidate.searched,
 )
 SIGHTED: Final = Rule[Case](

@@ -255,8 +255,8 @@ def _readings(log: Channels, x: Array, nudot: Array, noise: dict[str, Array], dr
     specific = nudot[:3] + cross
     if log.averaged:
         # Means over the step before the row: the change of velocity, and Coriolis' part at its middle.
-        mean = np.diff(x[:3], axis=1) / log.h + 0.5 * (cross[:, 1:] + cross[:, :-1])
-        specific = np.concatenate([specific[:, :1], mean], axis=1)
+        mean = np.diff(x[:2], axis=1) / log.h + 0.5 * (cross[:2, 1:] + cross[:2, :-1])
+        specific = np.concatenate([np.concatenate([specific[:2, :1], mean], axis=1), specific[2:]])
     exact = {"u": u, "v": v, "r": r, "ax": specific[0], "ay": specific[1], "rdot": nudot[2], "psi": x[3]}
     off = declared(drawn, exact, slow_shapes(n), earth=log.earth)
     a = tuple(

@@ -143,8 +143,9 @@ def admit(
     else:
         return Admission(refused, waiting)
     behind |= {r.id: r.fall for r in again if r not in close}
-    first = screened.measured(next(s for s in scored if s.id == best.id))
-    found = Found(best.id, close, behind, best.fall, first.chance, first)
+    own = next(s for s in scored if s.id == best.id)
+    first = screened.measured(own)
+    found = Found(best.id, close, behind, best.fall, first.chance, first, screened.round.lingers(own))
     return Admission(worse | refused, waiting, found, best, problem.noise)
 
 

@@ -101,9 +101,12 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
             case = Case(alone, next(s for s in near if s.id == best.id))
             swapped = first_refusal(IMITATED, case, others) is None
         if not swapped:
-            found[i] = replace(one, rivals=(mine, *(r for r in close if r is not mine)), tried=behind, fall=mine.fall)
+            rest = (r for r in close if r is not mine)
+            lingers = one.lingers if again is None else alone.lingers(again)
+            found[i] = replace(one, rivals=(mine, *rest), tried=behind, fall=mine.fall, lingers=lingers)
             continue
-        first = passes(bare, scored, others).measured(next(s for s in near if s.id == best.id))
-        found[i] = Found(best.id, close, behind, best.fall, first.chance, first)
+        own = next(s for s in near if s.id == best.id)
+        first = passes(bare, scored, others).measured(own)
+        found[i] = Found(best.id, close, behind, best.fall, first.chance, first, alone.lingers(own))
         return Reviewed(True, found, best.states, refused)
     return Reviewed(False, found, states, refused)

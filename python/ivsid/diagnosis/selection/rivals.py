@@ -95,6 +95,7 @@ class Found:
         fall: fall of chi-squared against the model without the cause.
         chance: probability of such a fall without the cause, over all of its values that were searched.
         first: the score by which the cause was found.
+        lingers: whether it starts at a time, and the log does not tell it from the same force that comes gradually.
     """
 
     id: str
@@ -103,6 +104,7 @@ class Found:
     fall: float
     chance: float
     first: Scored
+    lingers: bool = False
 
     @property
     def others(self) -> frozenset[str]:

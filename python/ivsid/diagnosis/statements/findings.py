@@ -40,6 +40,13 @@ WIDE: Final = 4.0
 REPEATED: Final = 3.0 * 2.0**0.5
 
 
+# What is said of a cause that starts at a time, where the log shows no less of the same force that comes gradually.
+LINGERS: Final = (
+    "the log does not tell a start at this time from a change over minutes, as of a motor that warms or a load that grows: "
+    "hold one demand for ten minutes"
+)
+
+
 @dataclass(frozen=True)
 class Finding:
     """A cause with the causes that could be taken for it.
@@ -51,7 +58,7 @@ class Finding:
         separate_by: manoeuvre that separates them, in words.
         parameters: intervals by parameter.
         evidence: numbers of the log that show the cause.
-        description: of an ``unknown``, in a sentence.
+        description: of an ``unknown``, or of what a log does not tell of a cause, in a sentence.
         matters: share of the simulation's error in position that the cause explains; None without a position.
         like: findings of the examination that are like it; None before all findings are known.
     """
@@ -249,6 +256,7 @@ def finding(
             "z": float(np.sqrt(max(found.fall, 0.0))),
             "chance": found.chance,
         },
+        LINGERS if found.lingers else "",
     )
 
 

@@ -57,7 +57,7 @@ def _paragraphs(result: Diagnosis, f: Finding, seen: Evidence | None) -> list[st
         f"{f.effect}: {effect.cause}.",
         " ".join(["How much:", *_sizes(result, f, effect), *_explained(seen), *_matters(f)]),
         f"How sure: {_sure(result, f)}",
-        f"What else: {_else(result, f)}",
+        f"What else: {f'{f.description}; ' if f.description else ''}{_else(result, f)}",
         f"What would change this: {_changed(f, effect)}",
         f"What next: {_next(result, f, effect)}",
     ]

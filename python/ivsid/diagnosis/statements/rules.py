@@ -108,7 +108,11 @@ class Held:
         lower, upper = said if self.quiet else bound.within or said
         beyond = max(lower - none, none - upper)
         # An interval without an end has no half-width, and may have "no effect" beyond its other end all the same.
-        return beyond / max(0.5 * (upper - lower), 1e-300) if isfinite(upper - lower) else copysign(1.0, beyond)
+        return (
+            beyond / max(0.5 * (upper - lower), 1e-300)
+            if isfinite(upper - lower)
+            else copysign(float(beyond != 0.0), beyond)
+        )
 
 
 DOMINANT_RULE: Final = Rule[Held](

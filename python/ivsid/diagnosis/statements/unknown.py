@@ -100,7 +100,7 @@ def _repeated(left: Adequacy) -> Iterator[tuple[str, str]]:
 
 def _of_force(left: Adequacy) -> tuple[str, str]:
     """What of the forces leaves its bound, and the test that shows it: of thrusts, or of forces that the log holds."""
-    known = any(name.startswith("the known ") for name, _ in left.outside)
+    known = max(left.outside, key=lambda one: one[1], default=("", 0.0))[0].startswith("the known ")
     return (
         ("error of a known force", "a gauge beside it") if known else ("thrust curve", "a bollard test of the thrust")
     )

@@ -57,7 +57,10 @@ def admitting(monkeypatch):
         refused = {i: SimpleNamespace(rule=rule) for i, rule in (refused or {}).items()}
         passed = [s for s in scored if s.id not in refused]
         screened = SimpleNamespace(
-            round=SimpleNamespace(scored=scored), measured=lambda s: s, passed=passed, refused=refused
+            round=SimpleNamespace(scored=scored, abrupt=lambda _: True, lingers=lambda _: False),
+            measured=lambda s: s,
+            passed=passed,
+            refused=refused,
         )
         return admission.admit(fit, screened, passed, SimpleNamespace(eligible=lambda s: True))
 

@@ -4,6 +4,13 @@ from tests.mutant import python
 
 ESTIMATION = (
     python(
+        "caps on curves that an error has capped already",
+        "diagnosis/estimation/signatures.py",
+        "HIDING: Final = 5.0",
+        "HIDING: Final = 5e9",
+        "test_hidden_caps.py",
+    ),
+    python(
         "yaw accelerations of null logs as means",
         "diagnosis/null/simulated_logs.py",
         "np.concatenate([np.concatenate([specific[:2, :1], mean], axis=1), specific[2:]])",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -41,6 +42,12 @@ INVERSE_STEP: Final = 0.02
 # Least size of a number in such a difference, in its usual size.
 # Source: geometry: a number near zero still needs a difference above rounding
 LEAST_SIZE: Final = 0.1
+# Fitted error of a thrust, in its bound, from which on a cap is looked for on the curve of the file.
+# Source: definition: no error that is declared comes near
+HIDING: Final = 5.0
+# Multiple of a cap that caps nothing.
+# Source: definition: no thruster pushes by a million times what it is looked for
+IDLE: Final = 1e6
 
 
 class Signatures:
@@ -55,6 +62,18 @@ class Signatures:
         self.predictor, self.states = predictor, states
         self.h: Hypothesis = states.h
         self.mass: Mass = predictor.mass(states)
+
+    @cached_property
+    def on_file(self) -> Hypothesis:
+        """The hypothesis with the thrust curves of the file, where a fitted error has left its bound far behind; else as it is.
+
+        A cap on a curve that an error has capped already changes nothing, and the error hides the cause that it stands for.
+        """
+        errors = zip(self.predictor.vehicle.thrusters, self.predictor.propulsion.errors, strict=True)
+        if max((e.largest(t.name, self.h.declared_errors) for t, e in errors), default=0.0) <= HIDING:
+            return self.h
+        kept = {n: x for n, x in self.h.declared_errors.items() if not n.startswith(("~thrust.", "~hysteresis."))}
+        return replace(self.h, declared_errors=kept)
 
     def fitted(self, claimed: Iterable[str]) -> Columns:
         """Signatures of the model's free parameters, and of the free parameters of the hypothesis's effects.
@@ -95,6 +114,15 @@ class Signatures:
     def whole(self, given: Given) -> Array:
         """The errors that an effect with these numbers leaves."""
         return self.predictor.difference(self.states, self.h.with_effect(given), self.mass)
+
+    def on_curve(self, given: Given) -> Array:
+        """The errors that an effect with these numbers leaves on the thrust curves of the file."""
+        bare = self.on_file
+        if bare is self.h:
+            return self.whole(given)
+        idle = replace(given, values=tuple(IDLE * x for x in given.values))
+        found, without = (self.predictor.difference(self.states, bare.with_effect(g), self.mass) for g in (given, idle))
+        return found - without
 
     def term(self, term: Term) -> Array:
         """The errors that one unit of a term's parameter leaves if the model lacks it."""

@@ -127,13 +127,7 @@ def readings(vehicle: Vehicle, g: Gram, base: Sequence[int], *, earth: bool = Fa
 
 def outside(fit: Fit) -> tuple[tuple[str, float], ...]:
     """Thrusters whose error in the hypothesis, which a soft prior holds, has left its bound, with its largest value in bounds."""
-    found = []
     predictor = fit.noise.predictor
-    for thruster, errors in zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True):
-        held = np.array([fit.h.declared_errors.get(name, 0.0) for name in errors.names(thruster.name)])
-        curve, half = np.split(held, [len(errors.places)])
-        apart = np.interp(errors.places, errors.turns, errors.branches @ half) if half.size else 0.0
-        largest = float((np.abs(errors.knots @ curve) + np.abs(apart)).max(initial=0.0))
-        if largest > 1.0:
-            found.append((thruster.name, largest))
-    return tuple(found)
+    pairs = zip(predictor.vehicle.thrusters, predictor.propulsion.errors, strict=True)
+    found = [(t.name, errors.largest(t.name, fit.h.declared_errors)) for t, errors in pairs]
+    return tuple((name, most) for name, most in found if most > 1.0)

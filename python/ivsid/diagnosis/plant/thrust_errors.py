@@ -13,7 +13,7 @@ Source: docs/theory.md, "Diagnosis"; Rasmussen and Williams, *Gaussian Processes
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
@@ -73,6 +73,18 @@ class ThrustErrors:
     knots: Array
     turns: Array
     branches: Array
+
+    def largest(self, thruster: str, sizes: Mapping[str, float]) -> float:
+        """The largest error by the sizes of a hypothesis, in units of the bound.
+
+        Args:
+            thruster: name of the thruster.
+            sizes: of declared errors, by name.
+        """
+        held = np.array([sizes.get(name, 0.0) for name in self.names(thruster)])
+        curve, half = np.split(held, [len(self.places)])
+        apart = np.interp(self.places, self.turns, self.branches @ half) if half.size else 0.0
+        return float((np.abs(self.knots @ curve) + np.abs(apart)).max(initial=0.0))
 
     def names(self, thruster: str) -> list[str]:
         """Names of the errors, in the order of their spreads.

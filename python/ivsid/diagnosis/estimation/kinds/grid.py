@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final, Self
 
@@ -14,6 +14,7 @@ from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.kinds.candidate import Candidate, Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.signatures import Signatures
+from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.effects import Effect, Given, Grid
 
 Array = NDArray[np.float64]
@@ -53,10 +54,11 @@ class GridCandidate(Candidate):
     def made(cls, s: Signatures, effect: Effect, out: Columns) -> Sequence[Self]:
         """The candidate of an effect at the values of its form that the log can show."""
         assert isinstance(effect.form, Grid)
+        whole = s.on_curve if effect.form.limits else s.whole
         idle, values = _values(s, effect.form)
         names, kept = [], []
         for value in values:
-            column = s.whole(Given(effect, (value,)))
+            column = whole(Given(effect, (value,)))
             if idle is None or np.any(column):
                 out.add(f"{effect.id}@{value:.6g}", column)
                 names.append((out.names[-1],))
@@ -85,6 +87,11 @@ class GridCandidate(Candidate):
                 scaled = value * float(np.clip(real, *SECANT)) if self.idle is None else value
                 best = Scored(self, fall, 1, looks, tuple(at), (real,), (scaled,), real > 0)
         return best
+
+    def adopted(self, h: Hypothesis, values: Sequence[float], s: Signatures) -> Hypothesis:
+        """The hypothesis with the effect in it, and a cap on the curve on which it was found."""
+        found = super().adopted(h, values, s)
+        return replace(found, declared_errors=s.on_file.declared_errors) if self.effect.form.limits else found
 
     def levels(self, p: Projection) -> list[tuple[float, float]]:
         """Values with their z, from the value without effect on: the z of a band or a cap is not proportional to it."""

@@ -15,14 +15,14 @@ ESTIMATION = (
         "diagnosis/null/simulated_logs.py",
         "np.concatenate([np.concatenate([specific[:2, :1], mean], axis=1), specific[2:]])",
         "np.concatenate([np.concatenate([specific[:2, :1], mean], axis=1), np.diff(x[2:3], axis=1, prepend=0.0) / log.h])",
-        "test_null_logs.py",
+        "test_yaw_acceleration.py",
     ),
     python(
         "yaw accelerations as means of accelerometers that average",
         "diagnosis/prediction/states.py",
         "np.concatenate([np.concatenate([x[:2, :1], x[:2, n:-1]], axis=1), x[2:, :n]])",
         "np.concatenate([x[:, :1], x[:, n:-1]], axis=1)",
-        "test_irregular_clock.py",
+        "test_yaw_acceleration.py",
     ),
     python(
         "rates of velocities as specific forces",

@@ -35,4 +35,4 @@ def test_beside_errors_inside_their_bounds_it_is_looked_for_where_they_are(cap):
     vehicle, train, _, _ = drawn(260745, what="none", duration=90.0)
     s = plain_fit(vehicle, channels(train, vehicle), everything).signatures
     assert s.on_file is s.h
-    np.testing.assert_array_equal(s.on_curve(Given(EFFECTS[CAP], (cap,))), s.whole(Given(EFFECTS[CAP], (cap,))))
+    np.testing.assert_array_equal(s.secant(Given(EFFECTS[CAP], (cap,))), s.whole(Given(EFFECTS[CAP], (cap,))))

@@ -115,16 +115,6 @@ def test_means_over_irregular_rows_are_those_of_their_rows(usual, sampling):
     assert found.passed == [] and found.quiet
 
 
-@pytest.mark.parametrize(("usual", "astray"), [(0.1, 0.0), (0.1, 0.3), (0.04, 0.0)])
-def test_a_yaw_acceleration_is_read_at_its_rows_beside_accelerometers_that_average(usual, astray):
-    """It has a sensor of its own; as means over the step before, its readings were those of a sea six times as rough in yaw as declared."""
-    craft = CRAFT.replace("time_constant = {lag}\n", "")
-    felt = FELT.format(sampling="averaged") + "[sensors.yaw_acceleration]\naccuracy = 0.01\n\n"
-    vehicle = parse_vehicle(craft.replace("[ambient]", f"{felt}[ambient]"), "craft.toml")
-    found = screened(vehicle, sailed(100.0, 3, astray, usual, feels=True, turns=True))
-    assert found.passed == [] and found.quiet
-
-
 @pytest.mark.parametrize("first", [0, 1, 3])
 def test_velocities_that_set_the_clock_are_read_at_its_times(first):
     """A velocity in every fifth row, from some row on: half-way between two of them it would be a mean of both."""

@@ -389,20 +389,3 @@ def test_null_logs_of_a_vehicle_without_thrusters_follow_its_known_forces():
     assert one.demands.shape == (9, one.n) and np.ptp(one.demands[0]) > 10
     # The motion is the log's own but for its noise and its ambient force.
     assert np.corrcoef(one.nu[0], programme.log.nu[0])[0, 1] > 0.95
-
-
-def test_null_logs_read_a_yaw_acceleration_at_its_rows_beside_means():
-    """Accelerometers that average give the change of velocity over the step before, and what turns the axes; the yaw acceleration has its own sensor."""
-    text = (TWIN + SENSORS).replace("[sensors.acceleration]\n", '[sensors.acceleration]\nsampling = "averaged"\n')
-    vehicle = parse_vehicle(text, "twin.toml")
-    _, log = drawn(rate=10.0, duration=80.0)
-    data = channels(replace(log, columns={**log.columns, "rdot": 0.0 * log.t}), vehicle)
-    rng = np.random.default_rng(1)
-    x, nudot = rng.standard_normal((6, data.n)), rng.standard_normal((6, data.n))
-    none = dict.fromkeys(("u", "v", "r", "ax", "ay", "rdot", "psi", "x", "y"), np.zeros(data.n))
-    read = simulated_logs._readings(data, x, nudot, none, {})
-    u, v, r = x[:3]
-    turned = -v * r
-    np.testing.assert_array_equal(read.acceleration[2], nudot[2])
-    mean = np.diff(u) / data.h + 0.5 * (turned[1:] + turned[:-1])
-    np.testing.assert_allclose(read.acceleration[0], np.r_[nudot[0, 0] + turned[0], mean])

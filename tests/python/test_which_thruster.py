@@ -25,6 +25,8 @@ def test_two_thrusters_of_a_straight_course_that_push_alike_are_both_said():
     true, names, bound = failed(236041)
     assert true in bound.stands_for.split(" or ") and 1 < len(bound.stands_for.split(" or ")) < len(names)
     assert bound.lower <= names.index(true) <= bound.upper
+    # Files of a fleet keep an end to the bit.
+    assert type(bound.lower) is type(bound.upper) is float
 
 
 @pytest.mark.parametrize(

@@ -56,8 +56,7 @@ def _finer(fit: Fit, s: Scored) -> tuple[Fit, Scored]:
         tried = [float(v) for a, b in ends for v in np.geomspace(a, b, count + 2)[1:-1]]
         first = len(fit.gram.names)
         names = [f"{c.id}@{v!r}" for v in tried]
-        whole = fit.signatures.on_curve if c.effect.form.limits else fit.signatures.whole
-        fit = replace(fit, gram=fit.gram.extended(names, [whole(Given(c.effect, (v,))) for v in tried]))
+        fit = replace(fit, gram=fit.gram.extended(names, [fit.signatures.secant(Given(c.effect, (v,))) for v in tried]))
         p = Projection(fit.gram, base)
         looks += LOOKS_A_VALUE * len(tried)
         for j, value in enumerate(tried):

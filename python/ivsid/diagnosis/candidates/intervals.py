@@ -262,9 +262,9 @@ def _places(
 def _canonical(out: dict[str, Bound], id_: str) -> None:
     """Chooses one of several equal descriptions of an effect."""
     effect = EFFECTS[id_]
-    own = {p.part: name for p, name in zip(effect.parameters, effect.parts, strict=True) if name in out}
-    if not all(np.isfinite(out[n].upper) for n in own.values()):
-        return
+    pairs = zip(effect.parameters, effect.parts, strict=True)
+    # A number that is open has no other description.
+    own = {p.part: name for p, name in pairs if name in out and np.isfinite(out[name].upper)}
     for part, (lower, upper) in effect.form.canonical(
         {q: (out[n].lower, out[n].upper) for q, n in own.items()}
     ).items():

@@ -165,8 +165,7 @@ def channels(log: Log, vehicle: Vehicle, origin: float | None = None) -> Channel
     fixed = all(t.steering == "fixed" and t.rudder is None for t in vehicle.thrusters)
     made = log.notes[known:]
     log, h, count, notes = paced(log, inside=held and fixed)
-    sensor = vehicle.sensors.acceleration
-    averaged = sensor is not None and sensor.sampling == "averaged"
+    averaged = _averaged(vehicle)
     log = whole_rows(log, averaged=averaged)
     # The first time has as many of its step's readings before it as after it; velocities that set the clock are read at its times.
     start = log.t[0] + 0.5 * (count - 1) * (h / count) if count > 1 else first_reading(log)
@@ -245,6 +244,12 @@ def _sent(vehicle: Vehicle, resample: Resampler, *, held: bool) -> tuple[Array, 
     return demands, angles, rudders
 
 
+def _averaged(vehicle: Vehicle) -> bool:
+    """Whether accelerometers give means over the step before their row."""
+    sensor = vehicle.sensors.acceleration
+    return sensor is not None and sensor.sampling == "averaged"
+
+
 def _inside_steps(vehicle: Vehicle, resample: Resampler, *, fixed: bool) -> Between | None:
     """Held demands and angles inside the steps, if the clock is slower than the log, rows come at irregular times or a step is long; else None.
 
@@ -269,9 +274,8 @@ def _inside_steps(vehicle: Vehicle, resample: Resampler, *, fixed: bool) -> Betw
         return _between(vehicle, resample, parts, _read(parts, count))
     between = _between(vehicle, resample, parts, (0,))
     # Means over the step before hold what happened between their rows.
-    sensor = vehicle.sensors.acceleration
-    averages = sensor is not None and sensor.sampling == "averaged"
-    felt = (*(n for n in read_in(resample.log, ACCELERATIONS) if n == "rdot" or not averages), "u")[0]
+    averaged = _averaged(vehicle)
+    felt = (*(n for n in read_in(resample.log, ACCELERATIONS) if n == "rdot" or not averaged), "u")[0]
     return Straddled.of(between, resample.places, resample.rows("u", parts), resample.rows(felt, parts))
 
 

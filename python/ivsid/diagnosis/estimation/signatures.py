@@ -50,6 +50,12 @@ HIDING: Final = 5.0
 IDLE: Final = 1e6
 
 
+def of_file(h: Hypothesis) -> Hypothesis:
+    """A hypothesis without errors of the thrust curves."""
+    kept = {n: x for n, x in h.declared_errors.items() if not n.startswith(("~thrust.", "~hysteresis."))}
+    return replace(h, declared_errors=kept)
+
+
 class Signatures:
     """All signatures at one hypothesis and its states; each has shape (rows, n).
 
@@ -72,8 +78,7 @@ class Signatures:
         errors = zip(self.predictor.vehicle.thrusters, self.predictor.propulsion.errors, strict=True)
         if max((e.largest(t.name, self.h.declared_errors) for t, e in errors), default=0.0) <= HIDING:
             return self.h
-        kept = {n: x for n, x in self.h.declared_errors.items() if not n.startswith(("~thrust.", "~hysteresis."))}
-        return replace(self.h, declared_errors=kept)
+        return of_file(self.h)
 
     def fitted(self, claimed: Iterable[str]) -> Columns:
         """Signatures of the model's free parameters, and of the free parameters of the hypothesis's effects.
@@ -115,10 +120,10 @@ class Signatures:
         """The errors that an effect with these numbers leaves."""
         return self.predictor.difference(self.states, self.h.with_effect(given), self.mass)
 
-    def on_curve(self, given: Given) -> Array:
-        """The errors that an effect with these numbers leaves on the thrust curves of the file."""
+    def secant(self, given: Given) -> Array:
+        """The errors that an effect with these numbers leaves; those of a cap, on thrust curves that no error has capped."""
         bare = self.on_file
-        if bare is self.h:
+        if bare is self.h or not given.effect.form.limits:
             return self.whole(given)
         idle = replace(given, values=tuple(IDLE * x for x in given.values))
         found, without = (self.predictor.difference(self.states, bare.with_effect(g), self.mass) for g in (given, idle))

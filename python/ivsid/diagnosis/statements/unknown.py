@@ -25,10 +25,10 @@ _SUGGESTED: Final = {
     "memory": "it trails the motion, as water does that swings in a tank or in waves that the hull made",
     "1": "it is the same all the time, as a steady force or an offset of a sensor is",
 }
+_MOTION: Final = "it follows the velocities, as a drag or a coupling does"
 # Multiple of every other thrust's error, in bounds, from which on one leaves its bound alone: the fit moves the others along.
 # Source: measured: one of four thrusters that was capped at 0.6 had 45 bounds, and the others 2.8 to 4.3
 ALONG: Final = 5.0
-_MOTION: Final = "it follows the velocities, as a drag or a coupling does"
 
 
 def _read(regressor: str) -> str:

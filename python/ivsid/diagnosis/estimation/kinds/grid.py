@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final, Self
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.kinds.candidate import Candidate, Scored
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.estimation.signatures import Signatures
+from ivsid.diagnosis.estimation.signatures import Signatures, of_file
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.effects import Effect, Given, Grid
 
@@ -54,11 +54,10 @@ class GridCandidate(Candidate):
     def made(cls, s: Signatures, effect: Effect, out: Columns) -> Sequence[Self]:
         """The candidate of an effect at the values of its form that the log can show."""
         assert isinstance(effect.form, Grid)
-        whole = s.on_curve if effect.form.limits else s.whole
         idle, values = _values(s, effect.form)
         names, kept = [], []
         for value in values:
-            column = whole(Given(effect, (value,)))
+            column = s.secant(Given(effect, (value,)))
             if idle is None or np.any(column):
                 out.add(f"{effect.id}@{value:.6g}", column)
                 names.append((out.names[-1],))
@@ -91,7 +90,7 @@ class GridCandidate(Candidate):
     def adopted(self, h: Hypothesis, values: Sequence[float], s: Signatures) -> Hypothesis:
         """The hypothesis with the effect in it, and a cap on the curve on which it was found."""
         found = super().adopted(h, values, s)
-        return replace(found, declared_errors=s.on_file.declared_errors) if self.effect.form.limits else found
+        return of_file(found) if self.effect.form.limits and s.on_file is not s.h else found
 
     def levels(self, p: Projection) -> list[tuple[float, float]]:
         """Values with their z, from the value without effect on: the z of a band or a cap is not proportional to it."""

@@ -73,7 +73,7 @@ def gradual(fit: Fit, s: Scored) -> float:
     """Largest fall of chi-squared of the force of a step where it comes gradually.
 
     Args:
-        fit: of the log without it.
+        fit: of the model without it.
         s: the step with its score.
     """
     g, p, (j,) = fit.gram, fit.projection, s.columns

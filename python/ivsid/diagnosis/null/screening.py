@@ -220,7 +220,7 @@ NEGLIGIBLE_RULE: Final = Rule[Case](
 ABRUPT: Final = Rule[Case](
     "abrupt",
     "fall of chi² by the same force where it comes gradually, beyond that of a start at a time, unless beside any thrust curve inside its accuracy the start is better",
-    f"at most {BETTER:g}, or {CURVED:.0%} of the fall where that is more",
+    f"at most {BETTER:g}, or {100 * CURVED:g} % of the fall where that is more",
     "A motor that grows warm, a battery or a growing load changes a force over minutes, and a start at a time somewhere in such a change explains most of it.",
     "definition: 0.3 % of normal errors lie beyond three standard deviations",
     lambda c: c.round.gradual(c.s),

@@ -50,6 +50,13 @@ DIAGNOSIS = (
         "test_gradual.py",
     ),
     python(
+        "errors that left their bounds before the later causes",
+        "diagnosis/selection/review.py",
+        "if again is not None and first.boxed > first.fall:",
+        "if again is not None and first.boxed < 0.0:",
+        "test_gradual.py",
+    ),
+    python(
         "motors that fail as they grow warm",
         "diagnosis/null/round.py",
         "self.gradual(s) <= most_beyond(s)",

@@ -70,10 +70,14 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
             continue
         mine = Rival(one.id, states, now, one.first.count, base - now)
         others = tuple(f.id for f in found if f is not one)
-        refusal = full_refused(passes, one.first, mine.fall, others)
         again = next((s for s in scored if s.id == one.id), None)
         alone = Round(bare, scored, passes.level, passes.seen)
-        if refusal is not None and again is not None:
+        first = one.first
+        if again is not None and first.boxed > first.fall:
+            # That errors would have to leave their bounds may be another cause's doing, which came in later.
+            first = passes(bare, [again], others).measured(again)
+        refusal = full_refused(passes, first, mine.fall, others)
+        if refusal is not None and again is not None and first is one.first:
             # What declared errors may take of a cause is less where other causes leave it fewer directions.
             refusal = full_refused(passes, passes(bare, [again], others).measured(again), mine.fall, others)
         if refusal is None and again is not None:

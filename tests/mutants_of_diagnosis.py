@@ -50,6 +50,13 @@ DIAGNOSIS = (
         "test_gradual.py",
     ),
     python(
+        "causes of one thruster",
+        "diagnosis/candidates/one_thruster.py",
+        "LEAVING: Final = 2.0",
+        "LEAVING: Final = 2e9",
+        "test_one_thruster.py",
+    ),
+    python(
         "errors that left their bounds before the later causes",
         "diagnosis/selection/review.py",
         "if again is not None and first.boxed > first.fall:",

@@ -35,11 +35,14 @@ class Given:
         return self.values[draws.index("time")] if "time" in draws else None
 
     @property
+    def parts(self) -> tuple[str, ...]:
+        """Names of the values: id, id.part, or id.NAME for one thruster."""
+        return self.effect.parts if self.thruster is None else (f"{self.effect.id}.{self.thruster}",)
+
+    @property
     def named(self) -> dict[str, float]:
-        """The values by id, id.part, or id.NAME for one thruster."""
-        if self.thruster is not None:
-            return {f"{self.effect.id}.{self.thruster}": self.values[0]}
-        return dict(zip(self.effect.parts, self.values, strict=True))
+        """The values by name."""
+        return dict(zip(self.parts, self.values, strict=True))
 
 
 def sort_given(values: Mapping[str, float], thrusters: Sequence[str] = ()) -> tuple[Given, ...]:

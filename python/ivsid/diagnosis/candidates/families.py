@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ivsid.diagnosis.candidates.finer import with_finer
+from ivsid.diagnosis.candidates.one_thruster import with_one_thruster
 from ivsid.diagnosis.candidates.searched import with_searched
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
@@ -26,7 +27,8 @@ def score(fit: Fit) -> tuple[Fit, list[Scored]]:
     p = fit.projection
     found = [s for c in fit.candidates if (s := c.score(p, fit.signatures)) is not None]
     fit, searched = with_searched(fit, p)
-    fit, found = with_finer(fit, found)
+    fit, alone = with_one_thruster(fit)
+    fit, found = with_finer(fit, _merged([*found, *alone]))
     return fit, sorted(_merged([*found, *searched]), key=lambda s: -s.merit)
 
 

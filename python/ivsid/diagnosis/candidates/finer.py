@@ -14,7 +14,6 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.kinds.grid import LOOKS_A_VALUE, GridCandidate
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.effects import Given
 
 # Fall of chi-squared at the best value of the grid from which values beside it are tried.
 # Source: definition: two standard deviations
@@ -55,8 +54,8 @@ def _finer(fit: Fit, s: Scored) -> tuple[Fit, Scored]:
         ends = [(a, b) for a, b in ((low, values[k]), (values[k], high)) if a < b]
         tried = [float(v) for a, b in ends for v in np.geomspace(a, b, count + 2)[1:-1]]
         first = len(fit.gram.names)
-        names = [f"{c.id}@{v!r}" for v in tried]
-        fit = replace(fit, gram=fit.gram.extended(names, [fit.signatures.secant(Given(c.effect, (v,))) for v in tried]))
+        names = [f"{c.given((v,)).parts[0]}@{v!r}" for v in tried]
+        fit = replace(fit, gram=fit.gram.extended(names, [fit.signatures.secant(c.given((v,))) for v in tried]))
         p = Projection(fit.gram, base)
         looks += LOOKS_A_VALUE * len(tried)
         for j, value in enumerate(tried):

@@ -177,7 +177,7 @@ def _searched(
     for given in fit.h.given:
         if given.effect.id != id_:
             continue
-        for j, (name, parameter) in enumerate(zip(given.effect.parts, given.effect.parameters, strict=True)):
+        for j, (name, parameter) in enumerate(zip(given.parts, given.effect.parameters, strict=True)):
             if parameter.draw == "thruster":
                 known = fit.noise.predictor.vehicle.thrusters
                 like = _thrusters(fit, given, j, worse)
@@ -188,8 +188,8 @@ def _searched(
         for j in bent(given):
             chi2 = profile(fit.problem, fit.states, given, j)
             lower, upper = ends(chi2, given.values[j], first_step(fit.problem, given, j), rise(given, j, SIGMAS, worse))
-            around = slack(fit.problem, given, j) + curves.get(given.effect.parts[j], Reach(0.0, 0.0)).worst
-            down, up = swapped.get(given.effect.parts[j], (0.0, 0.0))
+            around = slack(fit.problem, given, j) + curves.get(given.parts[j], Reach(0.0, 0.0)).worst
+            down, up = swapped.get(given.parts[j], (0.0, 0.0))
             lower, upper = max(lower - around + down, 0.0), upper + around + up
             parameter = given.effect.parameters[j]
             if parameter.draw == "time":
@@ -202,7 +202,7 @@ def _searched(
                     t.accuracy.absolute + t.accuracy.relative * upper for t in fit.noise.predictor.vehicle.thrusters
                 )
                 lower, upper = max(lower - error, 0.0), upper + error
-            out[given.effect.parts[j]] = Bound(lower, upper, parameter.unit, parameter.symbol)
+            out[given.parts[j]] = Bound(lower, upper, parameter.unit, parameter.symbol)
 
 
 def _thrusters(fit: Fit, given: Given, j: int, worse: float) -> list[int]:
@@ -238,7 +238,7 @@ def _places(
         swapped: as of ``intervals``.
     """
     north, east = given.effect.form.place
-    names = [given.effect.parts[j] for j in (north, east)]
+    names = [given.parts[j] for j in (north, east)]
     if any(n not in out for n in names):
         return
     chi2 = profile(fit.problem, fit.states, given, north, east)
@@ -327,13 +327,12 @@ def scatter(p: Projection) -> Array:
 
 def _number(fit: Fit, name: str) -> tuple[float, Parameter]:
     """The value of a number in the fit, and its parameter in the catalogue."""
+    for given in fit.h.given:
+        if name in given.parts:
+            j = given.parts.index(name)
+            return float(given.values[j]), given.effect.parameters[j]
     for effect in EFFECTS.values():
         for form in (effect, effect.measured):
             if form is not None and name in form.parts:
-                parameter = form.parameters[form.parts.index(name)]
-                if name in fit.h.values:
-                    return float(fit.h.values[name]), parameter
-                for given in fit.h.given:
-                    if name in given.named:
-                        return float(given.named[name]), parameter
+                return float(fit.h.values[name]), form.parameters[form.parts.index(name)]
     raise KeyError(name)

@@ -121,7 +121,7 @@ def profile(problem: Problem, states: FilteredStates, given: Given, *places: int
         places: indices of the numbers among the effect's.
     """
     g = problem.gram(states, sums=False)
-    own = {given.effect.parts[j] if given.thruster is None else next(iter(given.named)) for j in places}
+    own = {given.parts[j] for j in places}
     base = [k for k, name in enumerate(g.names) if name not in own]
     predictor = problem.noise.predictor
     errors, later = predictor.errors(states), predictor.later(states.h)
@@ -152,7 +152,7 @@ def of_starts(problem: Problem, states: FilteredStates, given: Given, j: int) ->
     """
     g, predictor = problem.gram(states, sums=False), problem.noise.predictor
     sizes = {k: name for name, _, k in free_parameters(given)}
-    base = [k for k, name in enumerate(g.names) if name not in {*sizes.values(), given.effect.parts[j]}]
+    base = [k for k, name in enumerate(g.names) if name not in {*sizes.values(), given.parts[j]}]
 
     def change(values: Sequence[float]) -> Array:
         return predictor.difference(states, moved(states.h, problem.fixed, given, values))
@@ -179,10 +179,10 @@ def of_starts(problem: Problem, states: FilteredStates, given: Given, j: int) ->
 def moved(h: Hypothesis, fixed: Mapping[str, float], given: Given, values: Sequence[float]) -> Hypothesis:
     """The hypothesis with other numbers of an effect.
 
-    Masses and drags that are fitted change with a limit: if most thrusts stand at it, little else tells it from their scale.
+    Masses and drags that are fitted change with a limit of all thrusts: if most stand at it, little else tells it from their scale.
     """
     other = h.with_effect(replace(given, values=tuple(values)))
-    if not given.effect.form.limits:
+    if not given.effect.form.limits or given.thruster is not None:
         return other
     share = values[0] / given.values[0]
     return replace(other, values={k: x if k in fixed else x * share for k, x in other.values.items()})

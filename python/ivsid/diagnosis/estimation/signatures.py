@@ -232,10 +232,8 @@ def free_parameters(g: Given) -> list[tuple[str, Parameter, int]]:
     """
     if g.effect.form.jumps:
         return []
-    names = g.named if g.thruster is not None else None
-    parts = list(names) if names is not None else list(g.effect.parts)
     return [
         (name, p, j)
-        for j, (name, p) in enumerate(zip(parts, g.effect.parameters, strict=True))
+        for j, (name, p) in enumerate(zip(g.parts, g.effect.parameters, strict=True))
         if p.draw not in ("thruster", "time")
     ]

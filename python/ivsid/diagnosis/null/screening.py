@@ -25,7 +25,6 @@ from ivsid.diagnosis.null.rule import Rule
 from ivsid.diagnosis.null.second_opinion import second_opinion
 from ivsid.diagnosis.null.thresholds import HIGH_SIDE
 from ivsid.diagnosis.null.visibility import EXCITED, VISIBLE
-from ivsid.effects import Given
 
 # Chance that the second opinion may give: its blocks are few, so it is asked for less than the calibrated test.
 # Source: measured: make constants
@@ -111,7 +110,7 @@ class Case:
     @property
     def over_declared(self) -> float:
         """Size of the cause in the declared ambient force, where it is a part of that by its nature; infinite where it is none."""
-        given, fit = Given(self.s.candidate.effect, tuple(self.s.values)), self.round.fit
+        given, fit = self.s.candidate.given(self.s.values), self.round.fit
         sea, effect = fit.noise.predictor.vehicle.ambient, given.effect
         numbers = dict(zip((p.part for p in effect.parameters), given.values, strict=True))
         return effect.form.over_declared(numbers, 0.0 if sea is None else sea.force, lambda: fit.signatures.push(given))

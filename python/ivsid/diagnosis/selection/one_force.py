@@ -328,11 +328,8 @@ def _numbers(fit: Fit) -> dict[str, float]:
     """Numbers of the hypothesis by column, from no effect on."""
     numbers = {k: float(x) for k, x in fit.h.values.items()}
     for given in fit.h.given:
-        if given.thruster is None:
-            beyond = tuple(float(x) - q.none for x, q in zip(given.values, given.effect.parameters, strict=True))
-            numbers |= dict(zip(given.effect.parts, given.effect.form.held(beyond), strict=True))
-        else:
-            numbers |= {k: float(x) for k, x in given.named.items()}
+        beyond = tuple(float(x) - q.none for x, q in zip(given.values, given.effect.parameters, strict=True))
+        numbers |= dict(zip(given.parts, given.effect.form.held(beyond), strict=True))
     return numbers
 
 

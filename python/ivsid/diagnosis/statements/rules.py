@@ -84,7 +84,9 @@ class Held:
     @property
     def distance(self) -> float:
         """Largest distance of "no effect" from the intervals of the sizes, or of an only one and the shape beside it, in half-widths beyond their ends."""
-        numbers = dict(zip(self.effect.parts, self.effect.parameters, strict=True))
+        # Of one thruster a number has a name of its own.
+        parts = self.effect.parts if len(self.effect.parts) > 1 else tuple(self.parameters)[:1]
+        numbers = dict(zip(parts, self.effect.parameters, strict=True))
         # A time alone is no sign: a step of any size has one.
         asked = self._sizes
         if len(numbers) == 1:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, Final, Protocol
 
 import numpy as np
@@ -55,6 +55,7 @@ class Candidate(ABC):
     Attributes:
         effect: of the catalogue, in the form that the log supports.
         variants: names of its columns, one group for each value that is tried; empty if columns are found by a search.
+        alone: name of the only thruster on which it acts; None for all.
         searched: whether its columns are found by a search.
         starts: whether its columns begin at a time that is searched.
         sums: whether the errors are the sum of its columns times numbers of the effect.
@@ -62,6 +63,7 @@ class Candidate(ABC):
 
     effect: Effect
     variants: tuple[tuple[str, ...], ...] = ()
+    alone: str | None = field(default=None, kw_only=True)
     searched: ClassVar[bool] = False
     starts: ClassVar[bool] = False
     sums: ClassVar[bool] = False
@@ -84,6 +86,10 @@ class Candidate(ABC):
     def id(self) -> str:
         """The id of its effect."""
         return self.effect.id
+
+    def given(self, values: Sequence[float]) -> Given:
+        """Its effect with numbers."""
+        return Given(self.effect, tuple(values), self.alone)
 
     @property
     def sided(self) -> bool:
@@ -172,7 +178,7 @@ class Candidate(ABC):
             s: signatures of the fit in which they were found.
         """
         numbers = tuple(within(value, p) for value, p in zip(values, self.effect.parameters, strict=True))
-        return h.with_effect(Given(self.effect, numbers))
+        return h.with_effect(self.given(numbers))
 
     def first_block(self, _values: Sequence[float], _g: Gram, _log: Channels) -> int:
         """Index of the first block in which its columns act.

@@ -51,18 +51,26 @@ class GridCandidate(Candidate):
     idle: float | None = None
 
     @classmethod
-    def made(cls, s: Signatures, effect: Effect, out: Columns) -> Sequence[Self]:
-        """The candidate of an effect at the values of its form that the log can show."""
+    def made(cls, s: Signatures, effect: Effect, out: Columns, alone: str | None = None) -> Sequence[Self]:
+        """The candidate of an effect at the values of its form that the log can show.
+
+        Args:
+            s: signatures of the fit.
+            effect: of the catalogue.
+            out: gets its columns.
+            alone: name of the only thruster on which it acts; None for all.
+        """
         assert isinstance(effect.form, Grid)
-        idle, values = _values(s, effect.form)
+        idle, values = _values(s, effect.form, alone)
         names, kept = [], []
         for value in values:
-            column = s.secant(Given(effect, (value,)))
+            given = Given(effect, (value,), alone)
+            column = s.secant(given)
             if idle is None or np.any(column):
-                out.add(f"{effect.id}@{value:.6g}", column)
+                out.add(f"{given.parts[0]}@{value:.6g}", column)
                 names.append((out.names[-1],))
                 kept.append(value)
-        return [cls(effect, tuple(names), tuple(kept), idle)] if names else []
+        return [cls(effect, tuple(names), tuple(kept), idle, alone=alone)] if names else []
 
     def tried(self) -> dict[str, float]:
         """The value of each column."""
@@ -126,16 +134,17 @@ class GridCandidate(Candidate):
         return {}
 
 
-def _values(s: Signatures, form: Grid) -> tuple[float | None, list[float]]:
+def _values(s: Signatures, form: Grid, alone: str | None) -> tuple[float | None, list[float]]:
     """The value that changes nothing in a log, if there is one beside zero, and the values that are tried; none where the log is at rest."""
     log, propulsion = s.predictor.log, s.predictor.propulsion
+    own = [k for k, t in enumerate(s.predictor.vehicle.thrusters) if alone in (None, t.name)]
     if form.of == "seconds":
         return None, sorted({LEAST_DELAY * log.h, *(d for d in form.values if d < MOST_DELAY * log.n * log.h)})
     if form.of == "demand":
-        used = np.abs(np.concatenate(propulsion.demands))
+        used = np.abs(np.concatenate([propulsion.demands[k] for k in own]))
         low = used[used > NO_DEMAND]
         if not low.size:
             return 0.0, []
         return float(low.min()), [float(np.quantile(low, MOST_DEMANDS)) * q for q in form.values]
-    largest = float(np.abs(propulsion.thrusts(s.h.given).now).max())
+    largest = float(np.abs(propulsion.thrusts(s.h.given).now[own]).max())
     return largest, [largest * q for q in form.values] if largest > 0 else []

@@ -26,19 +26,27 @@ class LinearCandidate(Candidate):
     sums: ClassVar[bool] = True
 
     @classmethod
-    def made(cls, s: Signatures, effect: Effect, out: Columns) -> Sequence[Self]:
-        """The candidate of an effect; terms have exact columns, other physics slopes at none."""
+    def made(cls, s: Signatures, effect: Effect, out: Columns, alone: str | None = None) -> Sequence[Self]:
+        """The candidate of an effect; terms have exact columns, other physics slopes at none.
+
+        Args:
+            s: signatures of the fit.
+            effect: of the catalogue.
+            out: gets its columns.
+            alone: name of the only thruster on which it acts; None for all.
+        """
         if effect.terms:
             for term in effect.terms:
                 out.add(term.id, s.term(s.fitting(term)))
             return [cls(effect, (tuple(t.id for t in effect.terms),))]
         none = [p.none for p in effect.parameters]
-        for j, (name, parameter) in enumerate(zip(effect.parts, effect.parameters, strict=True)):
+        parts = Given(effect, tuple(none), alone).parts
+        for j, (name, parameter) in enumerate(zip(parts, effect.parameters, strict=True)):
             step = STEP_FROM_NONE * (abs(parameter.scaled(s.predictor.vehicle.hull.mass)) or 1.0)
             values = list(none)
             values[j] += step
-            out.add(name, s.whole(Given(effect, tuple(values))) / step)
-        return [cls(effect, (effect.parts,))]
+            out.add(name, s.whole(Given(effect, tuple(values), alone)) / step)
+        return [cls(effect, (parts,), alone=alone)]
 
     @property
     def limited(self) -> int:

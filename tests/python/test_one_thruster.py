@@ -1,0 +1,43 @@
+"""Causes of one thruster alone, on logs of the examination's simulator."""
+
+from types import SimpleNamespace
+
+import pytest
+from tests.exam.cases import setting
+
+from diagnosis_logs import logs_of_case
+from ivsid import diagnose
+from ivsid.vehicle import parse_vehicle
+
+
+def found(seed, key, number):
+    here = setting(seed)
+    logs = logs_of_case(SimpleNamespace(logs=here.logs({key: number})))
+    (f,) = diagnose(parse_vehicle(here.text, "v.toml"), *logs, null_logs=0).findings
+    return f
+
+
+@pytest.mark.parametrize(
+    ("seed", "key", "number"),
+    [
+        (270003, "thruster.saturation.d", 827.6),
+        (270005, "thruster.curve.starboard", -0.3),
+        # Nightly: the gate has a cause of either kind of column.
+        pytest.param(270001, "thruster.saturation.b", 15.52, marks=pytest.mark.nightly),
+        pytest.param(270002, "thruster.deadband.port", 24.0, marks=pytest.mark.nightly),
+        pytest.param(270005, "thruster.deadband.starboard", 24.0, marks=pytest.mark.nightly),
+        pytest.param(270001, "thruster.reverse_loss.b", 0.6, marks=pytest.mark.nightly),
+        pytest.param(270003, "thruster.advance_loss.d", 0.138, marks=pytest.mark.nightly),
+    ],
+)
+def test_a_cause_of_one_thruster_is_named_with_it(seed, key, number):
+    f = found(seed, key, number)
+    assert f.effect == key.rsplit(".", 1)[0]
+    ((name, bound),) = f.parameters.items()
+    assert name == key
+    assert bound.lower <= number <= bound.upper
+
+
+def test_a_cause_of_all_thrusters_is_none_of_one():
+    f = found(270003, "thruster.curve", -0.3)
+    assert (f.effect, list(f.parameters)) == ("thruster.curve", ["thruster.curve"])

@@ -93,7 +93,8 @@ EFFECTS: dict[str, Parts] = {
 # Causes of no list: a drag with the cube of speed, one that depends on the place, a moment and a side force with speed, and a drag
 # ahead that grows with the square of the yaw rate (X_rru of Abkowitz 1964), a hump of the wave resistance (Havelock 1909), and a bent
 # skeg, which turns to one side whichever way the hull drifts, and a wind's moment, which repeats after half a turn, or
-# its force ahead past a deck house, which repeats after a third of one, and a motor that loses thrust as it grows warm.
+# its force ahead past a deck house, which repeats after a third of one, a motor that loses thrust as it grows warm, a thruster that does
+# so as the hull moves, motors that warm with their load and cool down again, and a gyro that feels accelerations sideways.
 OUTSIDE: dict[str, Parts] = {
     "x.cubic": one(12.0, 3),
     "x.shear": one(8.0, 3),
@@ -105,6 +106,9 @@ OUTSIDE: dict[str, Parts] = {
     "x.windage": one(0.5, 4),
     "x.house": one(2.0, 4),
     "x.heat": {"thruster": (0.0, 0, "thruster"), "loss": (0.2, 0, "share"), "pace": (60.0, 0.5, "about")},
+    "x.tunnel": {"thruster": (0.0, 0, "thruster"), "loss": (0.3, 0, "share"), "pace": (1.0, 0.5, "about")},
+    "x.warm": {"loss": (0.15, 0, "share"), "pace": (90.0, 0.5, "about")},
+    "x.gyro": one(0.006, -0.5),
 }
 # Claims without which an effect is the same as other masses and drags: docs/theory.md, "Equivalent effects".
 CLAIMED = {"thruster.gain": ("mass.surge",)}
@@ -117,6 +121,7 @@ SINCE = {
     "x.windage": 181000,
     "x.house": 195000,
     "x.heat": 201000,
+    **dict.fromkeys(("x.tunnel", "x.warm", "x.gyro"), 280000),
 }
 # Causes outside of the catalogue that joined it, with their names in it, and the seeds before which they are drawn as outside.
 # The hump was drawn in another shape than that of the catalogue, so that the numbers of the two are not compared.

@@ -32,6 +32,7 @@ def exact(motion: Motion, effects: Mapping[str, Mapping[str, float]]) -> dict[st
         ax, ay = ax + p["x"], ay + p["y"]
     gyro = r * (1 + effects.get("sensor.yaw_rate.scale", {"": 0.0})[""])
     gyro = gyro + effects.get("sensor.yaw_rate.bias", {"": 0.0})[""]
+    gyro = gyro + effects.get("x.gyro", {"": 0.0})[""] * ay
     return {"u": seen_u, "v": seen_v, "r": gyro, "ax": ax, "ay": ay, "psi": psi, "x": x, "y": y}
 
 

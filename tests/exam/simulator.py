@@ -126,6 +126,7 @@ def rates_of(vessel: Vessel, effects: Mapping[str, Mapping[str, float]], loss: l
     hull += [(HULL[i], q) for i, q in vessel.body.more.items()]
     placed = [(PLACE[i], p) for i, p in effects.items() if i in PLACE]
     flows = any(i.startswith("current.") for i in effects)
+    tunnel = effects.get("x.tunnel")
     turns = any(i in effects for i in ("payload.step", "fouling.drift"))
     body = changed(vessel.body, effects, 0.0)
     plain = [None if loss[k] or vessel.drift else _arms(vessel, k) for k in range(count)]
@@ -147,6 +148,9 @@ def rates_of(vessel: Vessel, effects: Mapping[str, Mapping[str, float]], loss: l
         for function, p in placed:
             a, c, d = function(p, t, ur, psi, x, y)
             X, Y, N = X + a, Y + c, N + d
+        if tunnel:
+            pushes, k = list(pushes), int(tunnel["thruster"])
+            pushes[k] *= 1 + tunnel["loss"] * math.expm1(-((ur**2 + vr**2) / tunnel["pace"] ** 2))
         for k in range(count):
             if (arm := plain[k]) is not None:
                 a, c, d = pushes[k] * arm[0], pushes[k] * arm[1], pushes[k] * arm[2]
@@ -194,12 +198,15 @@ def sail(
     # What follows its goal late: the speed of a shaft, or else the thrust itself.
     late = [shaft or lag for shaft, lag in zip(shafts, lags, strict=True)]
 
+    warm, warmth = effects.get("x.warm"), [0.0] * count
+
     def forces(now: list[float], moment: float) -> list[float]:
-        if not any(shafts):
-            return now
-        return [
-            _at_speed(vessel, acting, k, speed, curves, moment) if shafts[k] else speed for k, speed in enumerate(now)
-        ]
+        if any(shafts):
+            now = [
+                _at_speed(vessel, acting, k, speed, curves, moment) if shafts[k] else speed
+                for k, speed in enumerate(now)
+            ]
+        return now if not warm else [x * (1 - warm["loss"] * q) for x, q in zip(now, warmth, strict=True)]
 
     loss = [_time(effects, "thruster.advance_loss", t["name"]) for t in vessel.thrusters]
     # What acts on a thrust at rest is asked for at every step.
@@ -258,6 +265,10 @@ def sail(
                 state = runge_kutta(rates, low + j * step, step, state, pushes, angle, near, slope, t)
                 lagged = way[2]
         assert all(abs(q) < 1e9 for q in state), "the motion grows without bound"
+        if warm:
+            # A motor that gives half of its largest thrust all the time loses the whole share.
+            heats = [(2 * x / curve.largest) ** 2 for x, curve in zip(lagged, curves, strict=True)]
+            warmth = [q + (x - q) * h / warm["pace"] for q, x in zip(warmth, heats, strict=True)]
         out["before"].append(rates(t + h * (1 - INSIDE), state, forces(lagged, t + h), angle, near, slope, t)[:3])
         out["demands"].append(demand)
         out["angles"].append(angle)

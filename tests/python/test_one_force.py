@@ -163,6 +163,22 @@ def test_a_cause_that_one_force_beats_in_its_place_is_refused(seed):
     assert BETTER_FORCE.refuses(Together(("a",), 300.0, 1, "r in yaw", 341.0)) is None
 
 
+@pytest.mark.parametrize(
+    ("force", "truth", "refused"),
+    [("fall of a thrust", (1.0, -1.0), True), ("u v", (1.0, -1.0), False), ("fall of a thrust", (1.0, 1.0), False)],
+)
+def test_two_causes_that_follow_a_force_closer_than_its_outline_are_refused(force, truth, refused):
+    """The difference of the causes is the outline and a seventh of another function in square; neither is much of it alone."""
+    rng = np.random.default_rng(8)
+    model, outline, other, both = rng.normal(size=(2, 400)), *rng.normal(size=(3, 400))
+    first, second = outline + 0.4 * other + 1.5 * both, 1.5 * both
+    y = 3.0 * (truth[0] * first + truth[1] * second) + rng.normal(size=400)
+    g = gram_of(np.stack([*model, first, second, outline], axis=1), y)
+    asked = _Asked({"a": [2], "b": [3]}, np.zeros(4), g, [force], 0, (), (), {})
+    found = asked.refusal(("a", "b"), ())
+    assert (found is not None and found.rule == "rough force") is refused
+
+
 def test_a_force_that_one_of_the_causes_explains_alone_is_that_cause():
     """A drag of 70,000 in chi-squared and a loss of 20 beside it were "one force", which was the drag's own, and the drag was left out."""
     two = Together(("drag.sway.quadratic", "thruster.advance_loss"), 70_983.0, 2, "v|v| in sway", 70_978.0)

@@ -38,6 +38,7 @@ CURVED: Final = 0.035
 # A column has to keep this share of its squared length beside the base.
 # Source: geometry: as for a step, above the rounding of cross-products
 LEFT: Final = 1e-6
+NO_FORCES: Final = np.zeros((0, 0, 0))
 
 
 def most_beyond(s: Scored) -> float:
@@ -69,23 +70,28 @@ def gradual_forces(fit: Fit) -> tuple[list[str], Array, Array]:
     return names, x / unit[:, None, None], unit
 
 
-def gradual(fit: Fit, s: Scored) -> float:
+def gradual(fit: Fit, s: Scored, weaker: Array = NO_FORCES) -> float:
     """Largest fall of chi-squared of the force of a step where it comes gradually.
 
     Args:
         fit: of the model without it.
         s: the step with its score.
+        weaker: thrusts that fall with the motion or with their heat, whitened, shape (forces, blocks, numbers).
     """
     g, p, (j,) = fit.gram, fit.projection, s.columns
-    return _largest(s, p, shapes(len(g.blocks)), g.blocks[:, j][:, p.base], g.blocks[:, j, j], g.score[:, j])
+    slow = _largest(s, p, shapes(len(g.blocks)), g.blocks[:, j][:, p.base], g.blocks[:, j, j], g.score[:, j])
+    if not weaker.size:
+        return slow
+    return max(slow, _of_motion(s, p, g.columns(p.base).reshape(-1, *g.y.shape), weaker, g.y))
 
 
-def beside_curves(curve: AnyCurve, s: Scored) -> tuple[float, float]:
+def beside_curves(curve: AnyCurve, s: Scored, weaker: Array = NO_FORCES) -> tuple[float, float]:
     """Falls of chi-squared of a step, and of its force where it comes gradually, both beside any thrust curve inside its accuracy.
 
     Args:
         curve: the base beside any thrust curve.
         s: the step with its score.
+        weaker: as of ``gradual``.
     """
     g, p, (j,) = curve.fit.gram, curve.projection, s.columns
     count, shape = len(g.blocks), (-1, *g.y.shape)
@@ -95,7 +101,22 @@ def beside_curves(curve: AnyCurve, s: Scored) -> tuple[float, float]:
     own, score = np.einsum("bi,bi->b", x, x), np.einsum("bi,bi->b", x, g.y)
     step = (np.arange(count) >= s.first_block(g, curve.fit.noise.predictor.log)).astype(float)
     sudden, slow = (_largest(s, p, weight, cross, own, score) for weight in (step[None], shapes(count)))
-    return sudden, slow
+    return sudden, max(slow, _of_motion(s, p, base, weaker, g.y)) if weaker.size else slow
+
+
+def _of_motion(s: Scored, p: Projection, base: Array, weaker: Array, y: Array) -> float:
+    """Largest fall of chi-squared of one of the thrusts that fall with the motion or with their heat, beside a base.
+
+    Args:
+        s: the step in whose place it stands.
+        p: least squares on the base.
+        base: its columns, shape (base, blocks, numbers).
+        weaker: the thrusts, shape (forces, blocks, numbers).
+        y: errors, shape (blocks, numbers).
+    """
+    flat = weaker.reshape(len(weaker), -1)
+    beside = flat @ base.reshape(len(base), -1).T
+    return _best(s, p, beside, np.einsum("ki,ki->k", flat, flat), flat @ y.ravel())
 
 
 def _largest(s: Scored, p: Projection, weight: Array, cross: Array, own: Array, score: Array) -> float:
@@ -109,10 +130,21 @@ def _largest(s: Scored, p: Projection, weight: Array, cross: Array, own: Array, 
         own: its squared length, shape (blocks,).
         score: its products with the errors, shape (blocks,).
     """
-    beside = weight @ cross
-    left = weight**2 @ own
+    return _best(s, p, weight @ cross, weight**2 @ own, weight @ score)
+
+
+def _best(s: Scored, p: Projection, beside: Array, left: Array, score: Array) -> float:
+    """Largest fall of chi-squared of one of several columns beside a base.
+
+    Args:
+        s: the step in whose place it stands.
+        p: least squares on the base.
+        beside: products of each column with the base, shape (columns, base).
+        left: squared lengths, shape (columns,).
+        score: products with the errors, shape (columns,).
+    """
     information = left - np.einsum("ki,ik->k", beside, np.linalg.solve(p.normal, beside.T))
-    found = weight @ score - beside @ p.coefficients
+    found = score - beside @ p.coefficients
     usable = information > LEFT * np.maximum(left, 1e-300)
     if not s.candidate.effect.parameters[s.candidate.effect.draws.index("size")].signed:
         usable &= found > 0.0

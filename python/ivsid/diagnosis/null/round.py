@@ -10,23 +10,28 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.estimation.kinds.step import StepCandidate
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve, is_declared, lost
 from ivsid.diagnosis.null.beside import Beside
 from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import Directions
 from ivsid.diagnosis.null.frequencies import Frequencies
-from ivsid.diagnosis.null.gradual import BETTER, beside_curves, gradual, most_beyond
+from ivsid.diagnosis.null.gradual import BETTER, NO_FORCES, beside_curves, gradual, most_beyond
 from ivsid.diagnosis.null.inside_cells import CLEAR, CLOSER, FINER, inside_cells
+from ivsid.diagnosis.null.modulated import modulated_columns
 from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.slow_force import SlowForce, slow_force
 from ivsid.diagnosis.null.visibility import Visibility
 
+Array = NDArray[np.float64]
 # Fall of chi-squared from which on a cause at a thruster is asked for beside errors that keep their bounds, too.
 # Source: resource: three standard deviations, and the cells take as long as a survey
 ASKED: Final = 9.0
@@ -137,6 +142,19 @@ class Round:
             self._beside[asked] = Directions(curves.free.under(other))
         return min(self._beside[asked].left(s), other.fall(s))
 
+    @cached_property
+    def _modulated(self) -> tuple[Array, list[int | None]]:
+        """Thrusts that fall with the motion or with their heat, whitened, and whose they are."""
+        _, x, own = modulated_columns(self.fit)
+        return x, own
+
+    def weaker_thrusts(self, s: Scored) -> Array:
+        """Thrusts that may fall in the place of a step, its own and all together; none in that of a step that is no thruster's."""
+        if not isinstance(s.candidate, StepCandidate) or s.candidate.thruster is None:
+            return NO_FORCES
+        x, own = self._modulated
+        return x[[k in (None, s.candidate.thruster) for k in own]]
+
     def gradual(self, s: Scored) -> float:
         """What a force that comes gradually explains beyond one that starts at a time, also where thrust errors inside their accuracy explain what they can.
 
@@ -144,10 +162,11 @@ class Round:
         """
         asked = (s.id, *s.columns), s.theta
         if asked not in self._gradual:
-            more = gradual(self.fit, s) - s.fall
+            weaker = self.weaker_thrusts(s)
+            more = gradual(self.fit, s, weaker) - s.fall
             if more > most_beyond(s):
                 # Beside the curves less is left of either, so that they decide only where they reverse it and something is left.
-                sudden, slow = beside_curves(self.curve, s)
+                sudden, slow = beside_curves(self.curve, s, weaker)
                 more = slow - sudden if sudden >= max(slow, BETTER) else more
             self._gradual[asked] = more
         return self._gradual[asked]

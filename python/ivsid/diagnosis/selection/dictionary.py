@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.null.modulated import modulated
 from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.effects import CHANNELS
 from ivsid.linear.filters import decaying
@@ -40,6 +41,10 @@ TRAILS: Final = (2.0, 6.0)
 # Acceleration of gravity [m/s^2].
 # Source: physics: standard gravity, ISO 80000-3
 GRAVITY: Final = 9.80665
+# First words of the errors of a gyro, and how much of each is added [rad/s a m/s^2 or rad/s]: the answer to a small one is linear in it.
+WRONG: Final = "yaw rate read wrong with"
+# Source: geometry: a hundredth, as of the scale of a gyro
+GYRO: Final = 0.01
 # Least time of a memory, in steps of the clock.
 # Source: geometry: a shorter one is the acceleration itself, which the model's own columns hold
 LEAST_MEMORY: Final = 2.0
@@ -51,9 +56,12 @@ LEAST_AMBIENT: Final = 1e-6
 def regressors(fit: Fit) -> tuple[list[str], Array, Array]:
     """The dictionary's regressors: names ``channel|function``, whitened columns in unit length, (regressors, blocks, numbers), and their lengths."""
     names, arrays = _dictionary(fit)
-    g = fit.gram
-    x, unit = g.white.blocks([fit.noise.predictor.answer(a) for a in arrays], g.good, g.length)
-    return names, x.reshape(-1, *g.y.shape), unit
+    g, predictor = fit.gram, fit.noise.predictor
+    read = dict(_gyro(fit))
+    columns = [predictor.answer(a) for a in arrays]
+    columns += [predictor.misread(fit.states, {"r": x}, mass=fit.signatures.mass) for x in read.values()]
+    x, unit = g.white.blocks(columns, g.good, g.length)
+    return [*names, *read], x.reshape(-1, *g.y.shape), unit
 
 
 def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
@@ -134,7 +142,31 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
             process[k] = sizes[k] * f
             names.append(f"{axis}|{name}")
             arrays.append(process)
+    for name, force in zip(*modulated(fit)[:2], strict=True):
+        # A thrust acts along its axis: the channel is the one in which most of it is.
+        most = np.argmax([float(np.mean(x**2)) / size**2 for x, size in zip(force, sizes, strict=True)])
+        names.append(f"{CHANNELS[most]}|{name}")
+        arrays.append(force)
     return names, arrays
+
+
+def _gyro(fit: Fit) -> Iterator[tuple[str, Array]]:
+    """Errors of a gyro that go with the motion, where a heading says so: names, and additions to its readings, shape (n,)."""
+    log, p = fit.noise.predictor.log, fit.states.points
+    if log.psi is None or log.turned:
+        return
+    n = log.n
+    r = p.nu[2, :n]
+    ahead, sideways = fit.states.specific[:2, :n]
+    size = float(np.abs(r).max())
+    wrong = {
+        "the acceleration ahead": GYRO * ahead,
+        "the acceleration sideways": GYRO * sideways,
+        "its size": GYRO * np.abs(r),
+        "its square": GYRO * r * np.abs(r) / max(size, 1e-9),
+        "the time": GYRO * r * np.linspace(0.0, 1.0, n),
+    }
+    yield from ((f"{CHANNELS[2]}|{WRONG} {by}", x) for by, x in wrong.items())
 
 
 def _memories(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:

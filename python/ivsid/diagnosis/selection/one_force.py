@@ -29,12 +29,22 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import NOTHING_LEFT, Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.gradual import gradual_forces
+from ivsid.diagnosis.null.modulated import FALL
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.usual_hull import hull_limits
 from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.hulls import BEYOND
 from ivsid.diagnosis.selection.rivals import Found
-from ivsid.diagnosis.selection.rules import BETTER_CURVE, BETTER_FORCE, ONE_FORCE, OUTLINE, Curve, Remainder, Together
+from ivsid.diagnosis.selection.rules import (
+    BETTER_CURVE,
+    BETTER_FORCE,
+    ONE_FORCE,
+    OUTLINE,
+    ROUGH_FORCE,
+    Curve,
+    Remainder,
+    Together,
+)
 from ivsid.diagnosis.selection.speed_curves import speed_curves, words
 
 Array = NDArray[np.float64]
@@ -160,6 +170,8 @@ class _Asked:
             best >= len(self.forces) - self.gradual,
         )
         refusal = (ONE_FORCE if len(ids) > 1 else BETTER_FORCE).refuses(case, others)
+        if refusal is None and len(ids) > 1:
+            refusal = self._rough(case, p, at, held, others)
         for group in self.groups:
             # Any function of a velocity explains more beside soft errors than a cause whose evidence is that they have to keep their bounds.
             if refusal is not None or self.boxed >= set(ids):
@@ -176,6 +188,25 @@ class _Asked:
                     beside = self._beside_thrusts(curve, self.free(), at, held, group)
                     refusal = BETTER_CURVE.refuses(beside, others)
         return refusal
+
+    def _rough(
+        self, case: Together, p: Projection, at: Sequence[int], held: Array, others: Sequence[str]
+    ) -> Refusal | None:
+        """The refusal of several causes by a force that is known in rough outline, or None.
+
+        Args:
+            case: the causes.
+            p: least squares on the model without them.
+            at: their columns.
+            held: their coefficients that the errors no longer hold, in unit lengths.
+            others: ids of all other causes.
+        """
+        known = [k for k, name in enumerate(self.forces) if name.startswith(FALL)]
+        if not known:
+            return None
+        alone = in_their_place(p, at, held, [self.held.size + k for k in known])[1]
+        best = int(np.argmax(alone))
+        return ROUGH_FORCE.refuses(replace(case, force=self.forces[known[best]], alone=float(alone[best])), others)
 
     def _beside_thrusts(self, curve: Curve, g: Gram, at: Sequence[int], held: Array, group: range) -> Curve:
         """A function of a velocity in the place of causes, beside any thrust curve.

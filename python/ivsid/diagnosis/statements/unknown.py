@@ -8,7 +8,9 @@ from typing import Final
 
 import numpy as np
 
+from ivsid.diagnosis.null.modulated import FALL
 from ivsid.diagnosis.selection.adequacy import PARTED, REPEATS, ROUGHER, SCATTERED, Adequacy
+from ivsid.diagnosis.selection.dictionary import WRONG
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.residuals import FindingEvidence
 from ivsid.diagnosis.statements.sensor_words import APART, READ, WORDS
@@ -33,6 +35,10 @@ ALONG: Final = 5.0
 
 def _read(regressor: str) -> str:
     """A clause on what the strongest regressor suggests."""
+    if regressor.startswith(FALL):
+        return "; a thrust that falls with the speed of the hull or with the heat of its motor does so: the same demand at rest and at speed, and early and late in a run, tells the two apart"
+    if regressor.startswith(WRONG):
+        return "; a gyro that feels accelerations, or whose scale drifts, does so: turns both ways at rest and at speed beside a compass show it"
     if regressor.startswith("thrust of "):
         return f"; {_SUGGESTED['thrust']}"
     if "known" in regressor:

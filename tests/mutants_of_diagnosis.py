@@ -64,6 +64,13 @@ DIAGNOSIS = (
         "test_modulated.py",
     ),
     python(
+        "liquids that swing with the turn alone",
+        "diagnosis/selection/dictionary.py",
+        "np.split(fit.states.specific[min(k, 1)], 2)",
+        "np.split(fit.states.specific[0], 2)",
+        "test_modulated.py",
+    ),
+    python(
         "gyros that feel accelerations",
         "diagnosis/selection/dictionary.py",
         "if log.psi is None or log.turned:",

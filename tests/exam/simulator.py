@@ -171,6 +171,35 @@ def rates_of(vessel: Vessel, effects: Mapping[str, Mapping[str, float]], loss: l
     return rates
 
 
+@dataclass
+class Tank:
+    """Liquid that swings sideways in a tank, lightly damped.
+
+    Attributes:
+        share: of the hull's mass that swings.
+        period: of its own [s].
+        place: sideways [m].
+        speed: of it [m/s].
+    """
+
+    share: float
+    period: float
+    place: float = 0.0
+    speed: float = 0.0
+
+    def pull(self, mass: float) -> float:
+        """Force on the hull to starboard [N]."""
+        w = 2 * math.pi / self.period
+        return self.share * mass * (w**2 * self.place + 0.1 * w * self.speed)
+
+    def swing(self, acceleration: float, h: float) -> None:
+        """A step in which the hull is accelerated to starboard, semi-implicit in twenty parts, relative to the hull."""
+        w = 2 * math.pi / self.period
+        for _ in range(20):
+            self.speed -= (acceleration + w**2 * self.place + 0.1 * w * self.speed) * h / 20
+            self.place += self.speed * h / 20
+
+
 def sail(
     vessel: Vessel,
     scenario: Scenario,
@@ -228,6 +257,7 @@ def sail(
             for k in range(count)
         ]
 
+    tank = Tank(**effects["x.slosh"]) if "x.slosh" in effects else None
     asked: list[list[float]] = []
     thrusts: list[list[float]] = []
     lagged = [0.0] * count
@@ -245,6 +275,8 @@ def sail(
         thrusts.append([curve(d) for curve, d in zip(curves, demand, strict=True)])
         near, far = rows[i], rows[min(i + 1, n - 1)]
         slope = [(b - a) / h for a, b in zip(near, far, strict=True)]
+        if tank:
+            near = [near[0], near[1] + tank.pull(vessel.body.mass), near[2]]
         edges = [t, t + h]
         if cut:
             cuts = {t, t + h, *(e for e in events if t < e < t + h)}
@@ -265,6 +297,9 @@ def sail(
                 state = runge_kutta(rates, low + j * step, step, state, pushes, angle, near, slope, t)
                 lagged = way[2]
         assert all(abs(q) < 1e9 for q in state), "the motion grows without bound"
+        if tank:
+            u, _, r = out["states"][-1][:3]
+            tank.swing(out["after"][-1][1] + u * r, h)
         if warm:
             # A motor that gives half of its largest thrust all the time loses the whole share.
             heats = [(2 * x / curve.largest) ** 2 for x, curve in zip(lagged, curves, strict=True)]

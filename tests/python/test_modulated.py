@@ -1,4 +1,4 @@
-"""Thrusts that fall with the speed or with their heat, and gyros that feel accelerations: forces and readings of no cause of the catalogue."""
+"""Thrusts that fall with the speed or with their heat, liquids that swing, and gyros that feel accelerations: no causes of the catalogue."""
 
 import numpy as np
 import pytest
@@ -14,8 +14,9 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.gradual import gradual
 from ivsid.diagnosis.null.modulated import modulated, modulated_columns
 from ivsid.diagnosis.null.round import Round
+from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.selection.dictionary import WRONG, regressors
+from ivsid.diagnosis.selection.dictionary import SWINGS, WRONG, _swings, regressors
 from ivsid.vehicle import parse_vehicle
 
 
@@ -108,12 +109,30 @@ def test_a_gyro_that_feels_accelerations_leaves_what_the_regressor_says(fit):
     assert unit[k] == pytest.approx(length[0], rel=0.2)
 
 
+def test_a_liquid_swings_as_an_oscillator_that_the_hull_drives(fit):
+    """The oracle integrates the oscillator between samples, which the log of 1.2 m at 10 Hz shows from a period of 0.8 s on."""
+    found = dict(_swings(fit, 1))
+    n, h = fit.noise.predictor.log.n, fit.noise.predictor.log.h
+    driven, t = fit.states.specific[1, :n], np.arange(n) * h
+    assert len(found) >= 5 and min(float(name.split()[0]) for name in found) >= 8 * h
+    for times in SWINGS[-4:]:
+        period = times * np.sqrt(hull_length(fit.noise.predictor.vehicle) / 9.80665)
+        w = 2 * np.pi / period
+
+        def rates(now, q, w=w):
+            return q[1], np.interp(now, t, driven) - 0.3 * w * q[1] - w**2 * q[0]
+
+        place = solve_ivp(rates, (0.0, t[-1]), [0.0, 0.0], t_eval=t, max_step=h, rtol=1e-6).y[0]
+        assert along(found[f"{period:.2g} s swinging memory"][:n], place) > 0.97
+
+
 @pytest.mark.parametrize(
     ("seed", "effect", "words"),
     [
         (280006, "x.tunnel", "fall of the thrust of bow with the square of the speed"),
         (280001, "x.warm", "fall of every thrust with its heat of 240 s"),
         (280006, "x.gyro", "yaw rate read wrong with the acceleration sideways"),
+        (290006, "x.slosh", "1.9 s swinging memory in sway"),
         # Nightly: two causes that imitate one force take longer.
         pytest.param(280002, "x.tunnel", "fall of the thrust of c", marks=pytest.mark.nightly),
         pytest.param(280003, "x.warm", "fall of every thrust with its heat", marks=pytest.mark.nightly),

@@ -17,7 +17,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.null.modulated import modulated
 from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.effects import CHANNELS
-from ivsid.linear.filters import decaying
+from ivsid.linear.filters import decaying, respond
 from ivsid.vehicle import KnownForce
 
 Array = NDArray[np.float64]
@@ -35,6 +35,14 @@ HARMONICS: Final = 4
 # Times over which the water remembers the motion, in those of a wave of the hull's length, sqrt(L / g).
 # Source: physics: radiated waves are about gone after one to a few of these times (Cummins 1962), and a free surface in a tank swings as long
 MEMORIES: Final = (1.0, 4.0)
+# Periods of liquids that swing in tanks, in times of a wave of the hull's length, and their damping, as a share of the critical one.
+# Source: physics: a free surface of width b and depth d swings in sqrt(4 pi b / (g tanh(pi d / b))), and tanks are a tenth to a whole beam wide; a wide
+# resonance sees what swings beside its period
+SWINGS: Final = tuple(2.0 * 1.35**k for k in range(7))
+SWINGING: Final = 0.15
+# Least period of such a liquid, in steps of the clock.
+# Source: geometry: eight samples a period show its shape
+LEAST_PERIOD: Final = 8.0
 # Lengths of the way over which a body in tow forgets a turn, in those of the hull.
 # Source: physics: a body that is towed by its front follows a tractrix of the cable's length, and cables are two to some hulls long
 TRAILS: Final = (2.0, 6.0)
@@ -137,7 +145,7 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
             process[k] = sizes[k] * f
             names.append(f"{axis}|{name}")
             arrays.append(process)
-        for name, f in (*_memories(fit, k), *((name, pulls[min(k, 1)]) for name, pulls in trails)):
+        for name, f in (*_memories(fit, k), *_swings(fit, k), *((name, pulls[min(k, 1)]) for name, pulls in trails)):
             process = np.zeros((3, 2 * n))
             process[k] = sizes[k] * f
             names.append(f"{axis}|{name}")
@@ -180,6 +188,28 @@ def _memories(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:
         decay = float(np.exp(-log.h / max(times * wave, LEAST_MEMORY * log.h)))
         faded = np.concatenate([decaying((1 - decay) * x, decay) for x in along])
         yield name, faded / max(float(np.sqrt(np.mean(faded**2))), 1e-9)
+
+
+def _swings(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:
+    """Forces of liquids that swing in tanks, of unit size, shape (2 n,); those across the hull turn it as well, and none where yaw is left out.
+
+    A free surface is to first order an oscillator that the hull's acceleration drives, q'' + 2 d w q' + w^2 q = a, and its force goes with q.
+    """
+    predictor = fit.noise.predictor
+    if fit.noise.left_out:
+        return
+    along = np.split(fit.states.specific[min(k, 1)], 2)
+    wave = float(np.sqrt(hull_length(predictor.vehicle) / GRAVITY))
+    for times in SWINGS:
+        period = times * wave
+        if period < LEAST_PERIOD * predictor.log.h:
+            continue
+        pole = np.exp((-SWINGING + 1j * np.sqrt(1 - SWINGING**2)) * 2 * np.pi / period * predictor.log.h)
+        top, below = np.array([[[1.0, 0.0, 0.0]]]), np.array([[1.0, -2 * pole.real, abs(pole) ** 2]])
+        yield (
+            f"{period:.2g} s swinging {MEMORY}",
+            _of_unit_size(np.concatenate([respond([x], top, below)[0] for x in along])),
+        )
 
 
 def _trails(fit: Fit) -> Iterator[tuple[str, tuple[Array, Array]]]:

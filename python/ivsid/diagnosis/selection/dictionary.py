@@ -35,10 +35,11 @@ HARMONICS: Final = 4
 # Times over which the water remembers the motion, in those of a wave of the hull's length, sqrt(L / g).
 # Source: physics: radiated waves are about gone after one to a few of these times (Cummins 1962), and a free surface in a tank swings as long
 MEMORIES: Final = (1.0, 4.0)
-# Periods of liquids that swing in tanks, in times of a wave of the hull's length, and their damping, as a share of the critical one.
-# Source: physics: a free surface of width b and depth d swings in sqrt(4 pi b / (g tanh(pi d / b))), and tanks are a tenth to a whole beam wide; a wide
-# resonance sees what swings beside its period
+# Periods of liquids that swing in tanks, in times of a wave of the hull's length.
+# Source: physics: a free surface of width b and depth d swings in sqrt(4 pi b / (g tanh(pi d / b))), and tanks are a tenth to a whole beam wide
 SWINGS: Final = tuple(2.0 * 1.35**k for k in range(7))
+# Their damping, as a share of the critical one.
+# Source: geometry: a resonance of that width sees what swings a sixth of a period beside its own
 SWINGING: Final = 0.15
 # Least period of such a liquid, in steps of the clock.
 # Source: geometry: eight samples a period show its shape

@@ -78,6 +78,13 @@ DIAGNOSIS = (
         "test_modulated.py",
     ),
     python(
+        "forces that have all their channels",
+        "diagnosis/selection/rules.py",
+        "CURVED if c.everywhere else MORE",
+        "MORE if c.everywhere else MORE",
+        "test_one_force.py",
+    ),
+    python(
         "two causes in a rough outline",
         "diagnosis/selection/rules.py",
         "OUTLINED: Final = 0.8",

@@ -135,6 +135,7 @@ def test_a_liquid_swings_as_an_oscillator_that_the_hull_drives(fit):
         (290006, "x.slosh", "1.9 s swinging memory in sway"),
         # Nightly: two causes that imitate one force take longer.
         pytest.param(280002, "x.tunnel", "fall of the thrust of c", marks=pytest.mark.nightly),
+        pytest.param(280004, "x.gyro", "the acceleration sideways in yaw", marks=pytest.mark.nightly),
         pytest.param(280003, "x.warm", "fall of every thrust with its heat", marks=pytest.mark.nightly),
     ],
 )

@@ -91,7 +91,7 @@ def test_a_thrust_turned_around_replaces_no_drags(unit, stands):
     x = np.stack([rate, rng.normal(size=400), one, other, force, *rng.normal(size=(2, 400))], axis=1)
     hull = {0: (50.0, 40.0, 100.0)}
     asked = _Asked(
-        {"a": [2], "b": [3]}, np.zeros(4), gram_of(x, drags + 0.01 * rng.normal(size=400)), "fgh", 0, (), (), hull
+        {"a": [2], "b": [3]}, np.zeros(4), gram_of(x, drags + 0.01 * rng.normal(size=400)), "fgh", (), (), hull
     )
     assert (asked.refusal(("a", "b"), ()) is not None) is stands
     # Without limits of hulls it would have stood in both.
@@ -107,7 +107,7 @@ def test_a_curve_replaces_no_cause_whose_evidence_is_errors_beyond_their_bounds(
     x = np.stack([*rng.normal(size=(2, 400)), u**3, *rng.normal(size=(2, 400)), *bend], axis=1)
     y = 40.0 * np.maximum(u - 0.5, 0.0) + 0.1 * rng.normal(size=400)
     curves, groups = ("surge|u 0", "surge|u 1"), [range(2)]
-    asked = _Asked({"a": [2]}, np.zeros(4), gram_of(x, y), "f", 0, curves, groups, {}, frozenset(boxed))
+    asked = _Asked({"a": [2]}, np.zeros(4), gram_of(x, y), "f", curves, groups, {}, frozenset(boxed))
     found = asked.refusal(("a",), ())
     assert (found is not None and found.rule == "better curve") is refused
 
@@ -124,7 +124,7 @@ def test_a_curve_that_a_thrust_error_bends_replaces_no_cause(bent_by, refused):
     names, groups = tuple(f"surge|u {k}" for k in range(6)), [range(6)]
     wide = gram_of(np.stack([*model, cause, *rng.normal(size=(1, 400)), *hats], axis=1), y)
     free = gram_of(np.stack([*model, cause, jump, *hats], axis=1), y)
-    asked = _Asked({"a": [2]}, np.zeros(3), wide, "f", 0, names, groups, {})
+    asked = _Asked({"a": [2]}, np.zeros(3), wide, "f", names, groups, {})
     assert asked.refusal(("a",), ()).rule == "better curve"
     found = replace(asked, free=lambda: free).refusal(("a",), ())
     assert (found is not None) is refused and (found is None or found.rule == "better curve")
@@ -160,7 +160,11 @@ def test_a_cause_that_one_force_beats_in_its_place_is_refused(seed):
         assert (said is not None) == refused
     assert "in its place" in BETTER_FORCE.refuses(Together(("a",), 30.0, 1, "u^3 in yaw", 40.0)).sentence
     # The force of the cause itself, in one channel and of the measured motion, explains about as much as the cause.
-    assert BETTER_FORCE.refuses(Together(("a",), 300.0, 1, "r in yaw", 341.0)) is None
+    near = Together(("a",), 300.0, 1, "r in yaw", 341.0)
+    assert BETTER_FORCE.refuses(near) is None
+    # One that has all its channels has to be no better than the equations, which are linear, are exact.
+    assert BETTER_FORCE.refuses(replace(near, everywhere=True)) is not None
+    assert BETTER_FORCE.refuses(replace(near, alone=310.0, everywhere=True)) is None
 
 
 @pytest.mark.parametrize(
@@ -174,7 +178,7 @@ def test_two_causes_that_follow_a_force_closer_than_its_outline_are_refused(forc
     first, second = outline + 0.4 * other + 1.5 * both, 1.5 * both
     y = 3.0 * (truth[0] * first + truth[1] * second) + rng.normal(size=400)
     g = gram_of(np.stack([*model, first, second, outline], axis=1), y)
-    asked = _Asked({"a": [2], "b": [3]}, np.zeros(4), g, [force], 0, (), (), {})
+    asked = _Asked({"a": [2], "b": [3]}, np.zeros(4), g, [force], (), (), {})
     found = asked.refusal(("a", "b"), ())
     assert (found is not None and found.rule == "rough force") is refused
 

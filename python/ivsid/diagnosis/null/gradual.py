@@ -38,6 +38,8 @@ CURVED: Final = 0.035
 # A column has to keep this share of its squared length beside the base.
 # Source: geometry: as for a step, above the rounding of cross-products
 LEFT: Final = 1e-6
+# First words of the names of such forces.
+GRADUAL: Final = "a gradual"
 NO_FORCES: Final = np.zeros((0, 0, 0))
 
 
@@ -64,7 +66,7 @@ def gradual_forces(fit: Fit) -> tuple[list[str], Array, Array]:
     g = fit.gram
     known = [c.variants[0][0] for c in fit.candidates if c.starts]
     weight, length = approaches(len(g.blocks)), len(g.blocks) * g.length * fit.noise.predictor.log.h
-    names = [f"a gradual {n} over {min(tau, 1.0) * length:.0f} s" for n in known for tau in APPROACHES]
+    names = [f"{GRADUAL} {n} over {min(tau, 1.0) * length:.0f} s" for n in known for tau in APPROACHES]
     x = (g.columns(g.at(known))[:, None] * weight[None, :, :, None]).reshape(-1, *g.y.shape)
     unit = np.sqrt(np.maximum(np.einsum("kbi,kbi->k", x, x), NOTHING))
     return names, x / unit[:, None, None], unit

@@ -28,11 +28,11 @@ from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import NOTHING_LEFT, Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve
-from ivsid.diagnosis.null.gradual import gradual_forces
+from ivsid.diagnosis.null.gradual import GRADUAL, gradual_forces
 from ivsid.diagnosis.null.modulated import FALL
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.usual_hull import hull_limits
-from ivsid.diagnosis.selection.dictionary import regressors
+from ivsid.diagnosis.selection.dictionary import WRONG, regressors
 from ivsid.diagnosis.selection.hulls import BEYOND
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.rules import (
@@ -51,6 +51,8 @@ Array = NDArray[np.float64]
 # Largest share of what the least of some causes explains beside the others that they explain beside a force which stands in their place.
 # Source: definition: three quarters are the force's; of other parts of the errors it has nothing
 REPLACED: Final = 0.25
+# First words of forces and readings of one cause with all the channels in which it acts.
+EVERYWHERE: Final = (GRADUAL, FALL, WRONG)
 
 
 def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
@@ -86,7 +88,6 @@ class _Asked:
         held: coefficients of the model's columns that the errors no longer hold, in unit lengths, shape (model,).
         wide: cross-products of the model's columns, the forces and the curves, in this order.
         forces: in words.
-        gradual: number of the forces that come gradually, the last ones.
         curves: names of the columns of all curves.
         groups: columns of each curve, among those of all.
         hull: value, least and most of numbers that hulls limit, in their units, by column of the model.
@@ -98,7 +99,6 @@ class _Asked:
     held: Array
     wide: Gram
     forces: Sequence[str]
-    gradual: int
     curves: Sequence[str]
     groups: Sequence[range]
     hull: Mapping[int, tuple[float, float, float]]
@@ -134,7 +134,7 @@ class _Asked:
             beside = AnyCurve(fit).g
             return beside.joined(curves, lines.reshape(len(lines), *beside.y.shape), lengths)
 
-        return cls(own, held, wide, forces, len(slow), curves, groups, hull, boxed, free)
+        return cls(own, held, wide, forces, curves, groups, hull, boxed, free)
 
     def _without(self, ids: Iterable[str]) -> tuple[Projection, list[int], Array]:
         """Least squares on the model without some causes, with their columns and what the errors no longer hold of them."""
@@ -167,7 +167,7 @@ class _Asked:
             self.forces[best],
             float(alone[best]),
             float(one.max()),
-            best >= len(self.forces) - self.gradual,
+            self.forces[best].startswith(EVERYWHERE),
         )
         refusal = (ONE_FORCE if len(ids) > 1 else BETTER_FORCE).refuses(case, others)
         if refusal is None and len(ids) > 1:

@@ -126,7 +126,7 @@ class Together:
         force: name of the single regressor that explains most in their place.
         alone: fall of chi-squared by it.
         one: fall of chi-squared by the best column of the causes in the place of all.
-        gradual: whether the force is one of the catalogue that comes gradually.
+        everywhere: whether the force has all the channels in which it would act.
     """
 
     ids: tuple[str, ...]
@@ -135,7 +135,7 @@ class Together:
     force: str
     alone: float
     one: float = 0.0
-    gradual: bool = False
+    everywhere: bool = False
 
     @property
     def words(self) -> str:
@@ -302,12 +302,12 @@ SLOW_FORCE: Final = Rule[Slow](
 BETTER_FORCE: Final = Rule[Together](
     "better force",
     "merit of the best single force of no cause over that of a linear cause in whose place it stands",
-    f"at most {MARGIN:g}, or {MORE:g} of the cause's own fall of chi² where that is more; {CURVED:g} of it beside a force of the catalogue that comes gradually",
+    f"at most {MARGIN:g}, or {MORE:g} of the cause's own fall of chi² where that is more; {CURVED:g} of it beside a force or a reading that has all its channels",
     "The dictionary holds the simple forces of the catalogue, too: one that explains more than the cause is one that the catalogue lacks. "
     "The cause's own force, in one channel and of the measured motion, explains about as much.",
     "definition: 0.3 % of normal errors lie beyond",
     lambda c: c.alone - (c.fall - PRICE * (c.numbers - 1)),
-    lambda c: max(MARGIN, (CURVED if c.gradual else MORE) * c.fall),
+    lambda c: max(MARGIN, (CURVED if c.everywhere else MORE) * c.fall),
     "one force, {case.force}, explains {case.alone:.0f} in chi² in its place, where it explains {case.fall:.0f}: by more than {limit:.0f} the force is one "
     "that the catalogue lacks",
     least=False,

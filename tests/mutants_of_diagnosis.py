@@ -57,6 +57,13 @@ DIAGNOSIS = (
         "test_modulated.py",
     ),
     python(
+        "jets that are thrown ahead",
+        "diagnosis/null/modulated.py",
+        "-(turn[0][i] * ahead + turn[1][i] * aside)",
+        "(turn[0][i] * ahead + turn[1][i] * aside)",
+        "test_modulated.py",
+    ),
+    python(
         "heat that a motor keeps",
         "diagnosis/null/modulated.py",
         "decaying((1.0 - decay) * x**2, decay)",

@@ -95,7 +95,7 @@ EFFECTS: dict[str, Parts] = {
 # skeg, which turns to one side whichever way the hull drifts, and a wind's moment, which repeats after half a turn, or
 # its force ahead past a deck house, which repeats after a third of one, a motor that loses thrust as it grows warm, a thruster that does
 # so as the hull moves, motors that warm with their load and cool down again, a gyro that feels accelerations sideways,
-# and liquid that swings in a tank.
+# liquid that swings in a tank, thrusters in each other's wash, thrusts that change no faster than they can, and a drag that follows late.
 OUTSIDE: dict[str, Parts] = {
     "x.cubic": one(12.0, 3),
     "x.shear": one(8.0, 3),
@@ -110,6 +110,9 @@ OUTSIDE: dict[str, Parts] = {
     "x.tunnel": {"thruster": (0.0, 0, "thruster"), "loss": (0.3, 0, "share"), "pace": (1.0, 0.5, "about")},
     "x.warm": {"loss": (0.15, 0, "share"), "pace": (90.0, 0.5, "about")},
     "x.gyro": one(0.006, -0.5),
+    "x.cross": {"loss": (0.2, 0, "share")},
+    "x.slew": {"pace": (1.0, 0.5, "about")},
+    "x.lazy": {"size": (10.0, 2, "size"), "pace": (3.0, 0.5, "about")},
     "x.slosh": {"share": (0.1, 0, "share"), "period": (2.0, 0.5, "about")},
 }
 # Claims without which an effect is the same as other masses and drags: docs/theory.md, "Equivalent effects".
@@ -125,6 +128,7 @@ SINCE = {
     "x.heat": 201000,
     **dict.fromkeys(("x.tunnel", "x.warm", "x.gyro"), 280000),
     "x.slosh": 290000,
+    **dict.fromkeys(("x.cross", "x.slew", "x.lazy"), 300000),
 }
 # Causes outside of the catalogue that joined it, with their names in it, and the seeds before which they are drawn as outside.
 # The hump was drawn in another shape than that of the catalogue, so that the numbers of the two are not compared.

@@ -228,6 +228,8 @@ def sail(
     late = [shaft or lag for shaft, lag in zip(shafts, lags, strict=True)]
 
     warm, warmth = effects.get("x.warm"), [0.0] * count
+    cross, slew, lazy = (effects.get(i) for i in ("x.cross", "x.slew", "x.lazy"))
+    followed, slow = [0.0] * count, 0.0
 
     def forces(now: list[float], moment: float) -> list[float]:
         if any(shafts):
@@ -235,7 +237,13 @@ def sail(
                 _at_speed(vessel, acting, k, speed, curves, moment) if shafts[k] else speed
                 for k, speed in enumerate(now)
             ]
-        return now if not warm else [x * (1 - warm["loss"] * q) for x, q in zip(now, warmth, strict=True)]
+        if warm:
+            now = [x * (1 - warm["loss"] * q) for x, q in zip(now, warmth, strict=True)]
+        if cross:
+            # Each thruster but the first works in the wash of the one before it.
+            washed = [0.0, *(cross["loss"] * abs(x) / curve.largest for x, curve in zip(now, curves, strict=True))]
+            now = [x * (1 - q) for x, q in zip(now, washed[:count], strict=True)]
+        return now
 
     loss = [_time(effects, "thruster.advance_loss", t["name"]) for t in vessel.thrusters]
     # What acts on a thrust at rest is asked for at every step.
@@ -275,6 +283,10 @@ def sail(
         thrusts.append([curve(d) for curve, d in zip(curves, demand, strict=True)])
         near, far = rows[i], rows[min(i + 1, n - 1)]
         slope = [(b - a) / h for a, b in zip(near, far, strict=True)]
+        if lazy:
+            u = state[0]
+            slow += (u - slow) * -math.expm1(-h / lazy["pace"])
+            near = [near[0] - lazy["size"] * (slow * abs(slow) - u * abs(u)), *near[1:]]
         if tank:
             near = [near[0], near[1] + tank.pull(vessel.body.mass), near[2]]
         edges = [t, t + h]
@@ -284,6 +296,12 @@ def sail(
         for low, high in itertools.pairwise(edges):
             middle = (low + high) / 2
             goals = goals_at(middle)
+            if slew:
+                most = [curve.largest / slew["pace"] * h for curve in curves]
+                if low == t:
+                    steps = [min(max(g - q, -m), m) for g, q, m in zip(goals, followed, most, strict=True)]
+                    followed = [q + x for q, x in zip(followed, steps, strict=True)]
+                goals = followed
             if low == t:
                 now = forces(_toward(goals, lagged, late, 0.0), middle)
                 out["states"].append(state)

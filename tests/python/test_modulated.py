@@ -1,5 +1,7 @@
 """Thrusts that fall with the speed or with their heat, liquids that swing, and gyros that feel accelerations: no causes of the catalogue."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -12,7 +14,7 @@ from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.gradual import gradual
-from ivsid.diagnosis.null.modulated import modulated, modulated_columns
+from ivsid.diagnosis.null.modulated import _meets, modulated, modulated_columns
 from ivsid.diagnosis.null.round import Round
 from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.prediction.innovations import Predictor
@@ -67,6 +69,26 @@ def test_every_thrust_falls_with_the_square_of_the_speed(fit):
     assert own[k] is None and along(forces[k][:, :n], accelerations(fit, lost)) > 1 - 1e-9
 
 
+def test_a_thrust_falls_in_the_wash_of_another(fit):
+    names, forces, own = modulated(fit)
+    n, p = fit.noise.predictor.log.n, fit.states.points
+    k = names.index("fall of the thrust of port in the wash of starboard")
+    lost = np.zeros((2, n))
+    lost[0] = -p.thrusts[0, :n] * np.abs(p.thrusts[1, :n])
+    assert own[k] == 0 and along(forces[k][:, :n], accelerations(fit, lost)) > 1 - 1e-9
+
+
+@pytest.mark.parametrize(
+    ("angle", "place", "share"),
+    [(0.0, (-2.0, 0.0), 1.0), (np.pi, (-2.0, 0.0), 0.0), (np.pi / 2, (-2.0, 0.0), 0.0), (np.pi / 4, (-1.0, 0.0), 0.5)],
+)
+def test_a_jet_meets_what_stands_behind_the_thruster(angle, place, share):
+    """A pod that pushes ahead throws its jet astern, and the square of the cosine of what it misses by counts."""
+    pods = [SimpleNamespace(position=q, steering="azimuth") for q in ((0.0, 0.0), place)]
+    turn = (np.cos([[angle], [0.0]]), np.sin([[angle], [0.0]]))
+    assert _meets(SimpleNamespace(thrusters=pods), 0, 1, turn) == pytest.approx([share], abs=1e-12)
+
+
 def test_a_step_is_held_against_the_thrusts_that_fall_by_least_squares(fit):
     """A loss that grows is no gain, and a thruster's failure is not held against another thruster's heat."""
     g, (failure,) = fit.gram, [s for s in score(fit)[1] if s.id == "thruster.failure"]
@@ -74,7 +96,7 @@ def test_a_step_is_held_against_the_thrusts_that_fall_by_least_squares(fit):
     names, x, own = modulated_columns(fit)
     assert {k for k in own if k is not None} == {0, 1}
     asked = [q for q, k in zip(x, own, strict=True) if k in (None, failure.candidate.thruster)]
-    assert np.array_equal(weaker, np.array(asked)) and len(asked) == 2 * len(names) / 3
+    assert np.array_equal(weaker, np.array(asked)) and len(asked) == 3 + 3 + 1 and len(names) == 3 * 3 + 2
     base = g.columns(fit.base).reshape(len(fit.base), -1)
     soft = np.diag(np.sqrt(g.prior[list(fit.base)]))
     right = np.r_[g.y.ravel(), -soft @ g.centre[list(fit.base)]]
@@ -132,6 +154,7 @@ def test_a_liquid_swings_as_an_oscillator_that_the_hull_drives(fit):
         (280006, "x.tunnel", "fall of the thrust of bow with the square of the speed"),
         (280001, "x.warm", "fall of every thrust with its heat of 240 s"),
         (280006, "x.gyro", "yaw rate read wrong with the acceleration sideways"),
+        (300000, "x.cross", "fall of the thrust of starboard in the wash of port"),
         (290006, "x.slosh", "1.9 s swinging memory in sway"),
         # Nightly: two causes that imitate one force take longer.
         pytest.param(280002, "x.tunnel", "fall of the thrust of c", marks=pytest.mark.nightly),

@@ -1,4 +1,4 @@
-"""Thrusts that fall with the speed of the hull or with the heat of their motor: forces that no cause of the catalogue is.
+"""Thrusts that fall with the speed of the hull, the heat of their motor or the wash of another: forces that no cause of the catalogue is.
 
 A tunnel thruster loses its thrust as the hull moves ahead, a motor while it is warm, and gets it back. Each is a thrust times a function of the motion
 or of its own past. A step in time explains a part of it, with a start wherever the programme changes.
@@ -9,6 +9,7 @@ Source: docs/theory.md, "Test"; Chislett and Bjorheden, "Influence of ship speed
 
 from __future__ import annotations
 
+from itertools import permutations
 from typing import Final
 
 import numpy as np
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.plant.thruster_forces import bollard_force
 from ivsid.linear.filters import decaying
-from ivsid.vehicle import KnownForce
+from ivsid.vehicle import KnownForce, Vehicle
 
 Array = NDArray[np.float64]
 # Thrusters that have forces of their own.
@@ -57,6 +58,12 @@ def modulated(fit: Fit) -> tuple[list[str], list[Array], list[int | None]]:
             names.append(f"{FALL} {words} {how}")
             forces.append(fit.signatures.mass.solve(bollard_force(vehicle, lost, turn)))
             own.append(k)
+    for i, k in permutations(known[:THRUSTERS], 2):
+        lost = np.zeros_like(p.thrusts)
+        lost[k] = -p.thrusts[k] * _of_unit_size(np.abs(p.thrusts[i]) * _meets(vehicle, i, k, turn))
+        names.append(f"{FALL} {vehicle.thrusters[k].words} in the wash of {vehicle.thrusters[i].name}")
+        forces.append(fit.signatures.mass.solve(bollard_force(vehicle, lost, turn)))
+        own.append(k)
     return names, forces, own
 
 
@@ -66,6 +73,16 @@ def modulated_columns(fit: Fit) -> tuple[list[str], Array, list[int | None]]:
     g = fit.gram
     x, _ = g.white.blocks([fit.noise.predictor.answer(a) for a in forces], g.good, g.length)
     return names, x.reshape(-1, *g.y.shape), own
+
+
+def _meets(vehicle: Vehicle, i: int, k: int, turn: tuple[Array, Array]) -> Array | float:
+    """How far the jet of a thruster that turns points at another one, from 0 to 1; 1 where it does not turn: its jet meets what it meets."""
+    if vehicle.thrusters[i].steering != "azimuth":
+        return 1.0
+    ahead, aside = np.subtract(vehicle.thrusters[k].position, vehicle.thrusters[i].position)
+    distance = max(float(np.hypot(ahead, aside)), NONE)
+    # A thruster that pushes ahead throws its jet astern.
+    return np.asarray(np.maximum(-(turn[0][i] * ahead + turn[1][i] * aside) / distance, 0.0) ** 2)
 
 
 def _warm(thrust: Array, n: int, decay: float) -> Array:

@@ -57,6 +57,13 @@ DIAGNOSIS = (
         "test_modulated.py",
     ),
     python(
+        "limits of a rate beside lags",
+        "diagnosis/null/screening.py",
+        "lambda c: lags(c.s),",
+        "lambda _: False,",
+        "test_slewed.py",
+    ),
+    python(
         "jets that are thrown ahead",
         "diagnosis/null/modulated.py",
         "-(turn[0][i] * ahead + turn[1][i] * aside)",

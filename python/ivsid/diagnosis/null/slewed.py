@@ -1,0 +1,71 @@
+"""Fall of chi-squared of a thrust that changes no faster than it can, in the place of one that lags or is late.
+
+A drive whose rate is limited follows a small step at once and a large one late. A lag and a delay explain most of it, and a second cause of the
+sensors the rest. The catalogue has no such limit.
+
+Source: docs/theory.md, "Limits of a rate"; Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2011, section 9.8 (saturation of
+actuators).
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.plant.thruster_forces import bollard_force
+from ivsid.effects import Response
+
+Array = NDArray[np.float64]
+# Times in which the limited rate takes a thrust from none to its largest, in those of the lag or the delay in whose place it stands.
+# Source: geometry: a lag is late by itself, and a limited rate by half of its time for a step of full size and by less for others
+PACES: Final = (2.0, 4.0, 6.0, 8.0, 12.0)
+# A column has to keep this share of its squared length beside the base.
+# Source: geometry: as for a step, above the rounding of cross-products
+LEFT: Final = 1e-6
+
+
+def lags(s: Scored) -> bool:
+    """Whether a cause is that the thrusts follow their demands late."""
+    return isinstance(s.candidate.effect.acts, Response)
+
+
+def slewed(fit: Fit, s: Scored) -> float:
+    """Largest fall of chi-squared of thrusts whose rate is limited.
+
+    Args:
+        fit: of the model without them.
+        s: the lag or the delay with its score.
+    """
+    predictor, p = fit.noise.predictor, fit.states.points
+    n, h = predictor.log.n, predictor.log.h
+    turn = p.swing or (np.cos(p.angles), np.sin(p.angles))
+    forces = []
+    for pace in PACES:
+        change = np.zeros_like(p.thrusts)
+        for k, curve in enumerate(predictor.propulsion.curves):
+            now = p.thrusts[k, :n]
+            late = limited(now, curve.largest * h / (pace * s.values[0])) - now
+            # Over a step the mean of its ends.
+            change[k] = np.concatenate([late, 0.5 * (late + np.r_[late[1:], late[-1]])])
+        forces.append(fit.signatures.mass.solve(bollard_force(predictor.vehicle, change, turn)))
+    g, q = fit.gram, fit.projection
+    x, _ = g.white.blocks([predictor.answer(a) for a in forces], g.good, g.length)
+    flat, base = x.reshape(len(PACES), -1), g.columns(q.base).reshape(len(q.base), -1)
+    beside, left = flat @ base.T, np.einsum("ki,ki->k", flat, flat)
+    information = left - np.einsum("ki,ik->k", beside, np.linalg.solve(q.normal, beside.T))
+    score = flat @ g.y.ravel() - beside @ q.coefficients
+    usable = (information > LEFT * np.maximum(left, 1e-300)) & (score > 0.0)
+    return float(np.where(usable, score**2 / np.where(usable, information, 1.0), 0.0).max())
+
+
+def limited(x: Array, most: float) -> Array:
+    """What follows a signal from rest by at most so much a sample, shape (n,)."""
+    out, y = [], 0.0
+    for a in x.tolist():
+        y += min(max(a - y, -most), most)
+        out.append(y)
+    return np.array(out)

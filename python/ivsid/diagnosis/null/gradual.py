@@ -40,6 +40,7 @@ CURVED: Final = 0.035
 LEFT: Final = 1e-6
 # First words of the names of such forces.
 GRADUAL: Final = "a gradual"
+# No forces beside those of the step.
 # Source: definition: an empty list of columns
 NO_FORCES: Final = np.zeros((0, 0, 0))
 

@@ -50,8 +50,9 @@ TRAILS: Final = (2.0, 6.0)
 # Acceleration of gravity [m/s^2].
 # Source: physics: standard gravity, ISO 80000-3
 GRAVITY: Final = 9.80665
-# First words of the errors of a gyro, and how much of each is added [rad/s a m/s^2 or rad/s]: the answer to a small one is linear in it.
+# First words of the errors of a gyro.
 WRONG: Final = "yaw rate read wrong with"
+# How much of each is added [rad/s a m/s^2 or rad/s]: the answer to a small one is linear in it.
 # Source: geometry: a hundredth, as of the scale of a gyro
 GYRO: Final = 0.01
 # Least time of a memory, in steps of the clock.

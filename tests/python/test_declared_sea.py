@@ -35,7 +35,9 @@ def swell(amplitude, shown, force=FORCE):
     predictor = SimpleNamespace(vehicle=SimpleNamespace(ambient=ambient))
     numbers = {"amplitude": amplitude, "period": 5.0, "phase": 0.3, "direction": 0.7}
     s = SimpleNamespace(
-        candidate=SimpleNamespace(effect=effect), values=tuple(numbers[p.part] for p in effect.parameters), shown=shown
+        candidate=SimpleNamespace(effect=effect, given=lambda x: Given(effect, x)),
+        values=tuple(numbers[p.part] for p in effect.parameters),
+        shown=shown,
     )
     return Case(SimpleNamespace(fit=SimpleNamespace(noise=SimpleNamespace(predictor=predictor))), s)
 
@@ -91,7 +93,9 @@ def test_a_tide_that_pushes_less_than_the_declared_force_is_a_part_of_it(metres,
     effect = EFFECTS["current.oscillating"]
     numbers = {"north": metres, "east": 0.0, "period": 30.0, "phase": 0.0}
     s = SimpleNamespace(
-        candidate=SimpleNamespace(effect=effect), values=tuple(numbers[p.part] for p in effect.parameters), shown=1e6
+        candidate=SimpleNamespace(effect=effect, given=lambda x: Given(effect, x)),
+        values=tuple(numbers[p.part] for p in effect.parameters),
+        shown=1e6,
     )
     assert (DECLARED_SEA.refuses(Case(SimpleNamespace(fit=fit), s)) is not None) is refused
 

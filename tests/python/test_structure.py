@@ -264,7 +264,7 @@ def test_water_that_swings_in_a_tank_is_seen_in_memories_of_the_motion(share, se
     fit = plain_fit(vehicle, channels(slosh(train_of(vehicle), share), vehicle), everything)
     left = adequacy(fit)
     assert left.white == (not seen)
-    assert not seen or left.strongest[0][:2] == ("memory", "surge")
+    assert not seen or left.strongest[0][:2] == ("2.3 s swinging memory", "surge")
     # Where yaw is left out, the sway acceleration is none that the model knows: a sound boat on a line had structure in its memory.
     straight = replace(fit, noise=replace(fit.noise, left_out=frozenset({2})))
     assert [n for n in regressors(straight)[0] if "memory" in n] == ["surge|memory", "surge|long memory"]
@@ -282,6 +282,12 @@ def test_water_that_swings_in_a_tank_is_seen_in_memories_of_the_motion(share, se
         ("thrust of t psi", "with the thrust"),
         ("1", "the same all the time"),
         ("long memory", "trails the motion"),
+        ("2.3 s swinging memory", "trails the motion"),
+        (
+            "fall of every thrust with its heat of 60 s",
+            "falls with the speed of the hull, the heat of its motor or the wash of another",
+        ),
+        ("yaw rate read wrong with the time", "gyro that feels accelerations"),
         ("v|r|", "velocities"),
         ("u v^2", "velocities"),
     ],

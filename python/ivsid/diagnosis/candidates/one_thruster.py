@@ -47,6 +47,8 @@ def with_one_thruster(fit: Fit) -> tuple[Fit, list[Scored]]:
             fit.signatures, c.effect, out, name
         )
     ]
+    if not made:
+        return fit, []
     base = fit.projection.base
     fit = replace(fit, gram=fit.gram.extended(out.names, out.arrays))
     p = Projection(fit.gram, base)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.plant.thruster_forces import bollard_force
-from ivsid.effects import Response
+from ivsid.effects import Grid, Response
 
 Array = NDArray[np.float64]
 # Times in which the limited rate takes a thrust from none to its largest, in those of the lag or the delay in whose place it stands.
@@ -29,8 +29,9 @@ LEFT: Final = 1e-6
 
 
 def lags(s: Scored) -> bool:
-    """Whether a cause is that the thrusts follow their demands late."""
-    return isinstance(s.candidate.effect.acts, Response)
+    """Whether a cause is that the thrusts follow their demands late by a time, which is its number."""
+    effect = s.candidate.effect
+    return isinstance(effect.acts, Response) and isinstance(effect.form, Grid) and effect.form.of == "seconds"
 
 
 def slewed(fit: Fit, s: Scored) -> float:

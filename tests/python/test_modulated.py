@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.linalg import lstsq
 from tests.exam.cases import case
 
+from dense_squares import least_squares
 from diagnosis_logs import logs_of_case, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything, score
@@ -97,16 +97,8 @@ def test_a_step_is_held_against_the_thrusts_that_fall_by_least_squares(fit):
     assert {k for k in own if k is not None} == {0, 1}
     asked = [q for q, k in zip(x, own, strict=True) if k in (None, failure.candidate.thruster)]
     assert np.array_equal(weaker, np.array(asked)) and len(asked) == 3 + 3 + 1 and len(names) == 3 * 3 + 2
-    base = g.columns(fit.base).reshape(len(fit.base), -1)
-    soft = np.diag(np.sqrt(g.prior[list(fit.base)]))
-    right = np.r_[g.y.ravel(), -soft @ g.centre[list(fit.base)]]
-
-    def chi2(*more):
-        A = np.vstack([np.vstack([base, *more]).T, np.hstack([soft, np.zeros((len(soft), len(more)))])])
-        z = lstsq(A, right)[0]
-        return float(np.sum((right - A @ z) ** 2)), z[-1]
-
-    falls = [chi2()[0] - a if z > 0 else 0.0 for a, z in (chi2(q.reshape(1, -1)) for q in asked)]
+    fall = least_squares(g, fit.base)
+    falls = [fall(q.reshape(1, -1), signed=False) for q in asked]
     alone = gradual(fit, failure)
     assert gradual(fit, failure, weaker) == pytest.approx(max(alone, *falls), rel=1e-5, abs=1e-5)
     assert max(falls) > 0.0

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.linalg import lstsq
 from tests.exam.cases import case
 
+from dense_squares import least_squares
 from diagnosis_logs import logs_of_case, train_of, vehicle_of
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
@@ -29,16 +29,8 @@ def test_the_fall_is_that_of_the_best_limit_by_least_squares():
     n, h, values = predictor.log.n, predictor.log.h, fit.h.values
     s = next(q for q in score(fit)[1] if q.id == "thruster.lag")
     assert lags(s)
-    base = g.columns(fit.base).reshape(len(fit.base), -1)
-    soft = np.diag(np.sqrt(g.prior[list(fit.base)]))
-    right = np.r_[g.y.ravel(), -soft @ g.centre[list(fit.base)]]
-
-    def chi2(*more):
-        A = np.vstack([np.vstack([base, *more]).T, np.hstack([soft, np.zeros((len(soft), len(more)))])])
-        z = lstsq(A, right)[0]
-        return float(np.sum((right - A @ z) ** 2)), z[-1]
-
-    falls, alone = [0.0], chi2()[0]
+    fall = least_squares(g, fit.base)
+    falls = []
     for pace in PACES:
         process = np.zeros((3, 2 * n))
         for k, t in enumerate(vehicle.thrusters):
@@ -52,9 +44,7 @@ def test_the_fall_is_that_of_the_best_limit_by_least_squares():
             process[0] += both / values["mass.surge"]
             process[2] += -t.position[1] * both / values["inertia.yaw"]
         x, _ = g.white.blocks([predictor.answer(process)], g.good, g.length)
-        if np.any(x):
-            left, size = chi2(x.reshape(1, -1))
-            falls.append(alone - left if size > 0 else 0.0)
+        falls.append(fall(x.reshape(1, -1), signed=False) if np.any(x) else 0.0)
     assert slewed(fit, s) == pytest.approx(max(falls), rel=1e-4, abs=1e-4)
 
 

@@ -21,6 +21,21 @@ NOTHING_LEFT: Final = 1e-10
 LEAST_EIGENVALUE: Final = 1e-8
 
 
+def largest_fall(g: Gram, base: Sequence[int], x: Array) -> float:
+    """Largest fall of chi-squared by one of several further columns whose number is positive; 0 if none has such a number.
+
+    Args:
+        g: cross-products.
+        base: indices of the columns that are fitted.
+        x: the further columns, whitened, shape (columns, blocks, numbers).
+    """
+    if not len(x):
+        return 0.0
+    wide = g.joined([f"{k}" for k in range(len(x))], x.reshape(len(x), *g.y.shape), np.ones(len(x)))
+    p, first = Projection(wide, base), len(g.names)
+    return max(fall if theta[0] > 0.0 else 0.0 for theta, fall in (p.solve([first + k]) for k in range(len(x))))
+
+
 class Projection:
     """Least squares on a base of columns, and the fall of chi-squared that further columns bring.
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
-from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.estimation.projection import Projection, largest_fall
 from ivsid.diagnosis.null.any_curve import AnyCurve
 
 Array = NDArray[np.float64]
@@ -84,9 +84,7 @@ def gradual(fit: Fit, s: Scored, weaker: Array = NO_FORCES) -> float:
     """
     g, p, (j,) = fit.gram, fit.projection, s.columns
     slow = _largest(s, p, shapes(len(g.blocks)), g.blocks[:, j][:, p.base], g.blocks[:, j, j], g.score[:, j])
-    if not weaker.size:
-        return slow
-    return max(slow, _of_motion(s, p, g.columns(p.base).reshape(-1, *g.y.shape), weaker, g.y))
+    return max(slow, largest_fall(g, p.base, weaker))
 
 
 def beside_curves(curve: AnyCurve, s: Scored, weaker: Array = NO_FORCES) -> tuple[float, float]:
@@ -105,22 +103,7 @@ def beside_curves(curve: AnyCurve, s: Scored, weaker: Array = NO_FORCES) -> tupl
     own, score = np.einsum("bi,bi->b", x, x), np.einsum("bi,bi->b", x, g.y)
     step = (np.arange(count) >= s.first_block(g, curve.fit.noise.predictor.log)).astype(float)
     sudden, slow = (_largest(s, p, weight, cross, own, score) for weight in (step[None], shapes(count)))
-    return sudden, max(slow, _of_motion(s, p, base, weaker, g.y)) if weaker.size else slow
-
-
-def _of_motion(s: Scored, p: Projection, base: Array, weaker: Array, y: Array) -> float:
-    """Largest fall of chi-squared of one of the thrusts that fall with the motion or with their heat, beside a base.
-
-    Args:
-        s: the step in whose place it stands.
-        p: least squares on the base.
-        base: its columns, shape (base, blocks, numbers).
-        weaker: the thrusts, shape (forces, blocks, numbers).
-        y: errors, shape (blocks, numbers).
-    """
-    flat = weaker.reshape(len(weaker), -1)
-    beside = flat @ base.reshape(len(base), -1).T
-    return _best(s, p, beside, np.einsum("ki,ki->k", flat, flat), flat @ y.ravel())
+    return sudden, max(slow, largest_fall(curve.g, p.base, weaker))
 
 
 def _largest(s: Scored, p: Projection, weight: Array, cross: Array, own: Array, score: Array) -> float:
@@ -134,21 +117,10 @@ def _largest(s: Scored, p: Projection, weight: Array, cross: Array, own: Array, 
         own: its squared length, shape (blocks,).
         score: its products with the errors, shape (blocks,).
     """
-    return _best(s, p, weight @ cross, weight**2 @ own, weight @ score)
-
-
-def _best(s: Scored, p: Projection, beside: Array, left: Array, score: Array) -> float:
-    """Largest fall of chi-squared of one of several columns beside a base.
-
-    Args:
-        s: the step in whose place it stands.
-        p: least squares on the base.
-        beside: products of each column with the base, shape (columns, base).
-        left: squared lengths, shape (columns,).
-        score: products with the errors, shape (columns,).
-    """
+    beside = weight @ cross
+    left = weight**2 @ own
     information = left - np.einsum("ki,ik->k", beside, np.linalg.solve(p.normal, beside.T))
-    found = score - beside @ p.coefficients
+    found = weight @ score - beside @ p.coefficients
     usable = information > LEFT * np.maximum(left, 1e-300)
     if not s.candidate.effect.parameters[s.candidate.effect.draws.index("size")].signed:
         usable &= found > 0.0

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.estimation.projection import largest_fall
 from ivsid.diagnosis.plant.thruster_forces import bollard_force
 from ivsid.effects import Grid, Response
 
@@ -23,9 +24,6 @@ Array = NDArray[np.float64]
 # Times in which the limited rate takes a thrust from none to its largest, in those of the lag or the delay in whose place it stands.
 # Source: geometry: a lag is late by itself, and a limited rate by half of its time for a step of full size and by less for others
 PACES: Final = (2.0, 4.0, 6.0, 8.0, 12.0)
-# A column has to keep this share of its squared length beside the base.
-# Source: geometry: as for a step, above the rounding of cross-products
-LEFT: Final = 1e-6
 
 
 def lags(s: Scored) -> bool:
@@ -53,20 +51,18 @@ def slewed(fit: Fit, s: Scored) -> float:
             # Over a step the mean of its ends.
             change[k] = np.concatenate([late, 0.5 * (late + np.r_[late[1:], late[-1]])])
         forces.append(fit.signatures.mass.solve(bollard_force(predictor.vehicle, change, turn)))
-    g, q = fit.gram, fit.projection
+    g = fit.gram
     x, _ = g.white.blocks([predictor.answer(a) for a in forces], g.good, g.length)
-    flat, base = x.reshape(len(PACES), -1), g.columns(q.base).reshape(len(q.base), -1)
-    beside, left = flat @ base.T, np.einsum("ki,ki->k", flat, flat)
-    information = left - np.einsum("ki,ik->k", beside, np.linalg.solve(q.normal, beside.T))
-    score = flat @ g.y.ravel() - beside @ q.coefficients
-    usable = (information > LEFT * np.maximum(left, 1e-300)) & (score > 0.0)
-    return float(np.where(usable, score**2 / np.where(usable, information, 1.0), 0.0).max())
+    return largest_fall(g, fit.base, x)
 
 
 def limited(x: Array, most: float) -> Array:
     """What follows a signal from rest by at most so much a sample, shape (n,)."""
+    if float(np.abs(np.diff(x, prepend=0.0)).max(initial=0.0)) <= most:
+        return x
     out, y = [], 0.0
     for a in x.tolist():
-        y += min(max(a - y, -most), most)
+        # What is not limited is the signal to the bit: rounding is no force.
+        y = a if abs(a - y) <= most else y + (most if a > y else -most)
         out.append(y)
     return np.array(out)

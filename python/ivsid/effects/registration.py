@@ -146,6 +146,11 @@ def _check_declarations(effect: Effect) -> None:
         raise IvsidError(
             f"effect {effect.id} is searched in {effect.form.of}s, and acts at no thruster; give its values in seconds, or no form"
         )
+    if effect.per_thruster and not (effect.acts.at_thruster and len(effect.parameters) == 1):
+        raise IvsidError(
+            f"effect {effect.id} is one of single thrusters, and takes {len(effect.parameters)} numbers or acts at no thruster; give it one number "
+            "and physics at a thruster, or no per_thruster"
+        )
     if effect.key is not None and effect.key.name not in Thruster.model_fields:
         raise IvsidError(f"effect {effect.id} has the key {effect.key.name}, which no thruster has; leave it out")
     if effect.measured is not None and effect.measured.id != effect.id:

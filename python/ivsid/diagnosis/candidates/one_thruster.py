@@ -15,10 +15,8 @@ from typing import Final
 from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
-from ivsid.diagnosis.estimation.kinds.grid import GridCandidate
-from ivsid.diagnosis.estimation.kinds.linear import LinearCandidate
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.effects import Grid, Inflow, Thrust
+from ivsid.effects import Inflow, Thrust
 
 # Fitted error of a thrust, in its bound, from which on causes of its thruster alone are asked for.
 # Source: definition: an error is twice what is declared
@@ -38,15 +36,9 @@ def with_one_thruster(fit: Fit) -> tuple[Fit, list[Scored]]:
     if len(known) == 1 or not names:
         return fit, []
     out = Columns()
+    # A thrust that lags or is late moves no curve.
     asked = [c for c in fit.candidates if c.effect.per_thruster and isinstance(c.effect.acts, (Thrust, Inflow))]
-    made = [
-        one
-        for c in asked
-        for name in names
-        for one in (GridCandidate if isinstance(c.effect.form, Grid) else LinearCandidate).made(
-            fit.signatures, c.effect, out, name
-        )
-    ]
+    made = [one for c in asked for name in names for one in c.alone_on(fit.signatures, name, out)]
     if not made:
         return fit, []
     base = fit.projection.base

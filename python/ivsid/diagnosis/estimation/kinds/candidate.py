@@ -73,6 +73,16 @@ class Candidate(ABC):
     def made(cls, s: Signatures, effect: Effect, out: Columns) -> Sequence[Candidate]:
         """The candidates of an effect, whose columns are added to ``out``."""
 
+    def alone_on(self, _s: Signatures, _thruster: str, _out: Columns) -> Sequence[Candidate]:
+        """The same cause on one thruster alone, whose columns are added; none for a kind that has no such form.
+
+        Args:
+            _s: signatures of the fit.
+            _thruster: its name.
+            _out: gets the columns.
+        """
+        return []
+
     @abstractmethod
     def score(self, p: Projection, s: Signatures) -> Scored | None:
         """The candidate at its best beside the base; None without a value that can be scored.

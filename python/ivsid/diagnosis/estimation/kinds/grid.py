@@ -52,14 +52,7 @@ class GridCandidate(Candidate):
 
     @classmethod
     def made(cls, s: Signatures, effect: Effect, out: Columns, alone: str | None = None) -> Sequence[Self]:
-        """The candidate of an effect at the values of its form that the log can show.
-
-        Args:
-            s: signatures of the fit.
-            effect: of the catalogue.
-            out: gets its columns.
-            alone: name of the only thruster on which it acts; None for all.
-        """
+        """The candidate of an effect at the values of its form that the log can show; of one thruster alone, if one is named."""
         assert isinstance(effect.form, Grid)
         idle, values = _values(s, effect.form, alone)
         names, kept = [], []
@@ -71,6 +64,10 @@ class GridCandidate(Candidate):
                 names.append((out.names[-1],))
                 kept.append(value)
         return [cls(effect, tuple(names), tuple(kept), idle, alone=alone)] if names else []
+
+    def alone_on(self, s: Signatures, thruster: str, out: Columns) -> Sequence[Self]:
+        """The same values, or slopes, of one thruster."""
+        return self.made(s, self.effect, out, thruster)
 
     def tried(self) -> dict[str, float]:
         """The value of each column."""

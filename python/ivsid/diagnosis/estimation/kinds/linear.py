@@ -27,14 +27,7 @@ class LinearCandidate(Candidate):
 
     @classmethod
     def made(cls, s: Signatures, effect: Effect, out: Columns, alone: str | None = None) -> Sequence[Self]:
-        """The candidate of an effect; terms have exact columns, other physics slopes at none.
-
-        Args:
-            s: signatures of the fit.
-            effect: of the catalogue.
-            out: gets its columns.
-            alone: name of the only thruster on which it acts; None for all.
-        """
+        """The candidate of an effect; terms have exact columns, other physics slopes at none; of one thruster alone, if one is named."""
         if effect.terms:
             for term in effect.terms:
                 out.add(term.id, s.term(s.fitting(term)))
@@ -47,6 +40,10 @@ class LinearCandidate(Candidate):
             values[j] += step
             out.add(name, s.whole(Given(effect, tuple(values), alone)) / step)
         return [cls(effect, (parts,), alone=alone)]
+
+    def alone_on(self, s: Signatures, thruster: str, out: Columns) -> Sequence[Self]:
+        """The same values, or slopes, of one thruster."""
+        return self.made(s, self.effect, out, thruster)
 
     @property
     def limited(self) -> int:

@@ -34,10 +34,10 @@ def test_a_cause_of_one_thruster_is_named_with_it(seed, key, number):
     f = found(seed, key, number)
     assert f.effect == key.rsplit(".", 1)[0]
     ((name, bound),) = f.parameters.items()
-    assert name == key
+    assert name == f.name == key
     assert bound.lower <= number <= bound.upper
 
 
 def test_a_cause_of_all_thrusters_is_none_of_one():
     f = found(270003, "thruster.curve", -0.3)
-    assert (f.effect, list(f.parameters)) == ("thruster.curve", ["thruster.curve"])
+    assert (f.effect, f.name, list(f.parameters)) == ("thruster.curve", "thruster.curve", ["thruster.curve"])

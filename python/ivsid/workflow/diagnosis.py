@@ -161,7 +161,7 @@ def _summary(result: Diagnosis) -> str:
     """The verdict with its causes and the gain in a few sentences."""
     words = [f"{result.vehicle.name}: {result.verdict}. {VERDICTS[result.verdict]}"]
     named = [
-        f"{f.effect} ({', '.join(size(b) for b in f.parameters.values())})" if f.parameters else f.effect
+        f"{f.name} ({', '.join(size(b) for b in f.parameters.values())})" if f.parameters else f.effect
         for f in result.findings
     ]
     if named:
@@ -177,7 +177,7 @@ def _findings(result: Diagnosis, seen: Sequence[Evidence]) -> list[Part]:
     shown_in = {e.effect: e for e in seen}
     parts: list[Part] = [] if result.findings else [page.text("No finding.")]
     for k, (f, paragraphs) in enumerate(zip(result.findings, diagnosis.explain(result, seen), strict=True), start=1):
-        parts.append(page.heading(f.effect, f"finding-{k}"))
+        parts.append(page.heading(f.name, f"finding-{k}"))
         # What is said of certainty and of rivals counts in falls of chi-squared, which a reader may open.
         inner = [w for w in paragraphs if w.startswith(("How sure", "What else", "What would"))]
         parts += [page.text(w) for w in paragraphs if w not in inner]
@@ -264,7 +264,7 @@ def _lines(result: Diagnosis) -> list[str]:
     lines += [f"  {w}" for w in result.moved]
     for f in result.findings:
         also = f", weight {f.confidence:.2f}; could also be {', '.join(f.alternatives)}" if f.alternatives else ""
-        lines.append(f"  {f.effect} (probability {0.0 if f.like is None else f.like.probability:.2f}{also})")
+        lines.append(f"  {f.name} (probability {0.0 if f.like is None else f.like.probability:.2f}{also})")
         lines += [
             f"    {k:<32} {b.stands_for or shown(b.lower, b.upper):>32} {'' if b.stands_for else b.unit}{' (guaranteed)' if b.guaranteed else ''}".rstrip()
             for k, b in f.parameters.items()

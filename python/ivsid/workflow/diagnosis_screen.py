@@ -107,7 +107,7 @@ def _card(f: Finding, k: int) -> Card:
         facts.append(("could also be", f"{', '.join(f.alternatives)} (weight of the first name {f.confidence:.2f})"))
     # The numbers of the description stand below, beside the finding.
     words = re.sub(r" \([^()]*\)", "", f.description) if unknown else EFFECTS[f.effect].cause
-    return Card(f.effect, words[:1].upper() + words[1:] + ".", tuple(facts), f"finding-{k}")
+    return Card(f.name, words[:1].upper() + words[1:] + ".", tuple(facts), f"finding-{k}")
 
 
 def _share(f: Finding) -> str:

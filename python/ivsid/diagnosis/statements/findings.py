@@ -74,6 +74,12 @@ class Finding:
     like: Alike | None = None
 
     @property
+    def name(self) -> str:
+        """What a reader calls it: the effect's id, or id.NAME where it is that of one thruster."""
+        effect = EFFECTS.get(self.effect)
+        return next(iter(self.parameters), self.effect) if effect is not None and effect.per_thruster else self.effect
+
+    @property
     def refuted_below(self) -> float | None:
         """Standard deviations that a second log of the same programme has to show, or the cause is another one; None for an ``unknown``.
 

@@ -54,7 +54,7 @@ def _paragraphs(result: Diagnosis, f: Finding, seen: Evidence | None) -> list[st
     """Paragraphs of a named finding."""
     effect = EFFECTS[f.effect]
     return [
-        f"{f.effect}: {effect.cause}.",
+        f"{f.name}: {effect.cause}.",
         " ".join(["How much:", *_sizes(result, f, effect), *_explained(seen), *_matters(f)]),
         f"How sure: {_sure(result, f)}",
         f"What else: {f'{f.description}; ' if f.description else ''}{_else(result, f)}",
@@ -81,7 +81,9 @@ def _sizes(result: Diagnosis, f: Finding, effect: Effect) -> list[str]:
             words.append(f"{name} is {b.stands_for}.")
             continue
         unit = "" if b.unit == "1" else f" {b.unit}"
-        size = f"; {typical[name]:.3g}{unit} is usual for a vehicle of this mass" if name in typical else ""
+        # The number of one thruster has the usual size of its effect.
+        usual = typical.get(name, typical.get(f.effect))
+        size = "" if usual is None else f"; {usual:.3g}{unit} is usual for a vehicle of this mass"
         kind = "proved" if b.guaranteed else "statistical, not proved"
         least, most = _outward(b.lower, ROUND_FLOOR), _outward(b.upper, ROUND_CEILING)
         if not (math.isfinite(b.lower) or math.isfinite(b.upper)):

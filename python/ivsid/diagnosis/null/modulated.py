@@ -41,7 +41,7 @@ def modulated(fit: Fit) -> tuple[list[str], list[Array], list[int | None]]:
     known = [k for k, t in enumerate(vehicle.thrusters) if not isinstance(t, KnownForce)]
     if not known:
         return [], [], []
-    speed = _of_unit_size(p.nu[0] ** 2 + p.nu[1] ** 2)
+    speed = of_unit_size(p.nu[0] ** 2 + p.nu[1] ** 2)
     by = {"with the square of the speed": np.tile(speed, (len(vehicle.thrusters), 1))}
     for time in HEATS:
         by[f"with its heat of {time:.0f} s"] = np.stack([_warm(x, n, float(np.exp(-h / time))) for x in p.thrusts])
@@ -60,7 +60,7 @@ def modulated(fit: Fit) -> tuple[list[str], list[Array], list[int | None]]:
             own.append(k)
     for i, k in permutations(known[:THRUSTERS], 2):
         lost = np.zeros_like(p.thrusts)
-        lost[k] = -p.thrusts[k] * _of_unit_size(np.abs(p.thrusts[i]) * _meets(vehicle, i, k, turn))
+        lost[k] = -p.thrusts[k] * of_unit_size(np.abs(p.thrusts[i]) * _meets(vehicle, i, k, turn))
         names.append(f"{FALL} {vehicle.thrusters[k].words} in the wash of {vehicle.thrusters[i].name}")
         forces.append(fit.signatures.mass.solve(bollard_force(vehicle, lost, turn)))
         own.append(k)
@@ -87,9 +87,9 @@ def _meets(vehicle: Vehicle, i: int, k: int, turn: tuple[Array, Array]) -> Array
 
 def _warm(thrust: Array, n: int, decay: float) -> Array:
     """How warm a motor is that was cold at the start and loses the square of its thrust in heat, of unit size, shape (2 n,)."""
-    return _of_unit_size(np.concatenate([decaying((1.0 - decay) * x**2, decay) for x in (thrust[:n], thrust[n:])]))
+    return of_unit_size(np.concatenate([decaying((1.0 - decay) * x**2, decay) for x in (thrust[:n], thrust[n:])]))
 
 
-def _of_unit_size(x: Array) -> Array:
+def of_unit_size(x: Array) -> Array:
     """A function of unit mean square."""
     return np.asarray(x / max(float(np.sqrt(np.mean(x**2))), NONE))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.null.modulated import modulated
+from ivsid.diagnosis.null.modulated import modulated, of_unit_size
 from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.effects import CHANNELS
 from ivsid.linear.filters import decaying, respond
@@ -210,7 +210,7 @@ def _swings(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:
         top, below = np.array([[[1.0, 0.0, 0.0]]]), np.array([[1.0, -2 * pole.real, abs(pole) ** 2]])
         yield (
             f"{period:.2g} s swinging {MEMORY}",
-            _of_unit_size(np.concatenate([respond([x], top, below)[0] for x in along])),
+            of_unit_size(np.concatenate([respond([x], top, below)[0] for x in along])),
         )
 
 
@@ -229,12 +229,7 @@ def _trails(fit: Fit) -> Iterator[tuple[str, tuple[Array, Array]]]:
         faded = [_fading(h * r, np.exp(-h * np.hypot(u, v) / (lengths * length))) for u, v, r in halves]
         angle, pull = np.concatenate(faded), nu[0] * np.abs(nu[0])
         ahead, sideways = pull * (1.0 - np.cos(angle)), pull * np.sin(angle)
-        yield name, (_of_unit_size(ahead), _of_unit_size(sideways))
-
-
-def _of_unit_size(x: Array) -> Array:
-    """A function of unit mean square."""
-    return np.asarray(x / max(float(np.sqrt(np.mean(x**2))), 1e-9))
+        yield name, (of_unit_size(ahead), of_unit_size(sideways))
 
 
 def _fading(x: Array, kept: Array) -> Array:

@@ -93,14 +93,14 @@ DIAGNOSIS = (
     ),
     python(
         "forces that have all their channels",
-        "diagnosis/selection/rules.py",
+        "diagnosis/selection/force_rules.py",
         "CURVED if c.everywhere else MORE",
         "MORE if c.everywhere else MORE",
         "test_one_force.py",
     ),
     python(
         "two causes in a rough outline",
-        "diagnosis/selection/rules.py",
+        "diagnosis/selection/force_rules.py",
         "OUTLINED: Final = 0.8",
         "OUTLINED: Final = 1e-9",
         "test_one_force.py",

@@ -14,8 +14,9 @@ from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.selection.force_rules import BENT, BETTER_CURVE, OUTLINE, Curve, Remainder
 from ivsid.diagnosis.selection.rivals import MARGIN, Found, Rival
-from ivsid.diagnosis.selection.rules import BENT, BETTER_CURVE, OUTLINE, Curve, Remainder, compared
+from ivsid.diagnosis.selection.rules import compared
 from ivsid.diagnosis.selection.select import Selection, in_place
 from ivsid.effects import EFFECTS, State
 from ivsid.vehicle import parse_vehicle

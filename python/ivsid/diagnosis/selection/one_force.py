@@ -33,9 +33,7 @@ from ivsid.diagnosis.null.modulated import FALL
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.usual_hull import hull_limits
 from ivsid.diagnosis.selection.dictionary import WRONG, regressors
-from ivsid.diagnosis.selection.hulls import BEYOND
-from ivsid.diagnosis.selection.rivals import Found
-from ivsid.diagnosis.selection.rules import (
+from ivsid.diagnosis.selection.force_rules import (
     BETTER_CURVE,
     BETTER_FORCE,
     ONE_FORCE,
@@ -45,6 +43,8 @@ from ivsid.diagnosis.selection.rules import (
     Remainder,
     Together,
 )
+from ivsid.diagnosis.selection.hulls import BEYOND
+from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.speed_curves import speed_curves, words
 
 Array = NDArray[np.float64]

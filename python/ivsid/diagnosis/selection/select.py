@@ -24,6 +24,7 @@ from ivsid.diagnosis.null.screening import chance
 from ivsid.diagnosis.null.slow_force import slow_force
 from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.selection.admission import admit
+from ivsid.diagnosis.selection.force_rules import SLOW_FORCE, Slow
 from ivsid.diagnosis.selection.one_force import imitating
 from ivsid.diagnosis.selection.review import Reviewed, reviewed
 from ivsid.diagnosis.selection.rivals import FULL_STEPS, Found
@@ -32,10 +33,8 @@ from ivsid.diagnosis.selection.rules import (
     MOST,
     OWN,
     SETTLED,
-    SLOW_FORCE,
     USUAL,
     Late,
-    Slow,
     full_refused,
     refused_by,
 )

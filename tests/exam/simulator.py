@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 from tests.exam.physics import HULL, PLACE, Body, accelerations, changed, from_north, rudder, water
+from tests.exam.tank import Tank
 from tests.exam.thrust_curves import Curve, changed_thrust
 
 from ivsid.programme.manoeuvres import Programme
@@ -169,35 +170,6 @@ def rates_of(vessel: Vessel, effects: Mapping[str, Mapping[str, float]], loss: l
         return udot + r * vc + au, vdot - r * uc + av, rdot, r, c * u - d * v, d * u + c * v
 
     return rates
-
-
-@dataclass
-class Tank:
-    """Liquid that swings sideways in a tank, lightly damped.
-
-    Attributes:
-        share: of the hull's mass that swings.
-        period: of its own [s].
-        place: sideways [m].
-        speed: of it [m/s].
-    """
-
-    share: float
-    period: float
-    place: float = 0.0
-    speed: float = 0.0
-
-    def pull(self, mass: float) -> float:
-        """Force on the hull to starboard [N]."""
-        w = 2 * math.pi / self.period
-        return self.share * mass * (w**2 * self.place + 0.1 * w * self.speed)
-
-    def swing(self, acceleration: float, h: float) -> None:
-        """A step in which the hull is accelerated to starboard, semi-implicit in twenty parts, relative to the hull."""
-        w = 2 * math.pi / self.period
-        for _ in range(20):
-            self.speed -= (acceleration + w**2 * self.place + 0.1 * w * self.speed) * h / 20
-            self.place += self.speed * h / 20
 
 
 def sail(

@@ -21,6 +21,9 @@ from ivsid.effects import Inflow, Thrust
 # Fitted error of a thrust, in its bound, from which on causes of its thruster alone are asked for.
 # Source: definition: an error is twice what is declared
 LEAVING: Final = 2.0
+# Thrusters that are asked for at most, those whose errors are farthest outside first.
+# Source: resource: each adds a survey of its five causes, and the fit drags the errors of others along
+THRUSTERS: Final = 4
 
 
 def with_one_thruster(fit: Fit) -> tuple[Fit, list[Scored]]:
@@ -32,7 +35,8 @@ def with_one_thruster(fit: Fit) -> tuple[Fit, list[Scored]]:
     predictor = fit.noise.predictor
     known = predictor.vehicle.thrusters
     errors = zip(known, predictor.propulsion.errors, strict=True)
-    names = [t.name for t, e in errors if e.largest(t.name, fit.h.declared_errors) > LEAVING]
+    far = {t.name: e.largest(t.name, fit.h.declared_errors) for t, e in errors}
+    names = [name for name in sorted(far, key=far.__getitem__, reverse=True)[:THRUSTERS] if far[name] > LEAVING]
     if len(known) == 1 or not names:
         return fit, []
     out = Columns()

@@ -22,12 +22,15 @@ def found(seed, key, number):
     [
         (270003, "thruster.saturation.d", 827.6),
         (270005, "thruster.curve.starboard", -0.3),
+        (300402, "thruster.lag.port", 0.28),
         # Nightly: the gate has a cause of either kind of column.
         pytest.param(270001, "thruster.saturation.b", 15.52, marks=pytest.mark.nightly),
         pytest.param(270002, "thruster.deadband.port", 24.0, marks=pytest.mark.nightly),
         pytest.param(270005, "thruster.deadband.starboard", 24.0, marks=pytest.mark.nightly),
         pytest.param(270001, "thruster.reverse_loss.b", 0.6, marks=pytest.mark.nightly),
         pytest.param(270003, "thruster.advance_loss.d", 0.138, marks=pytest.mark.nightly),
+        pytest.param(300417, "thruster.delay.starboard", 0.113, marks=pytest.mark.nightly),
+        pytest.param(300412, "thruster.shaft_lag.starboard", 0.395, marks=pytest.mark.nightly),
     ],
 )
 def test_a_cause_of_one_thruster_is_named_with_it(seed, key, number):
@@ -38,6 +41,9 @@ def test_a_cause_of_one_thruster_is_named_with_it(seed, key, number):
     assert bound.lower <= number <= bound.upper
 
 
-def test_a_cause_of_all_thrusters_is_none_of_one():
-    f = found(270003, "thruster.curve", -0.3)
-    assert (f.effect, f.name, list(f.parameters)) == ("thruster.curve", "thruster.curve", ["thruster.curve"])
+@pytest.mark.parametrize(
+    ("seed", "effect", "number"), [(270003, "thruster.curve", -0.3), (300402, "thruster.lag", 0.28)]
+)
+def test_a_cause_of_all_thrusters_is_none_of_one(seed, effect, number):
+    f = found(seed, effect, number)
+    assert (f.effect, f.name, list(f.parameters)) == (effect, effect, [effect])

@@ -27,7 +27,7 @@ def score(fit: Fit) -> tuple[Fit, list[Scored]]:
     p = fit.projection
     found = [s for c in fit.candidates if (s := c.score(p, fit.signatures)) is not None]
     fit, searched = with_searched(fit, p)
-    fit, alone = with_one_thruster(fit)
+    fit, alone = with_one_thruster(fit, found)
     fit, found = with_finer(fit, _merged([*found, *alone]))
     return fit, sorted(_merged([*found, *searched]), key=lambda s: -s.merit)
 

@@ -9,45 +9,61 @@ Source: docs/theory.md, "Causes of one thruster".
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
 from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.estimation.kinds.candidate import Candidate, Scored
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.effects import Inflow, Thrust
+from ivsid.effects import Inflow, Response, Thrust
 
 # Fitted error of a thrust, in its bound, from which on causes of its thruster alone are asked for.
 # Source: definition: an error is twice what is declared
 LEAVING: Final = 2.0
+# Fall of chi-squared by a time of all thrusters from which on the times of each are asked for.
+# Source: definition: five standard deviations
+LATE: Final = 25.0
+# A time of one thruster stands in the place of that of all where its merit is larger by more.
+# Source: definition: three standard deviations
+BETTER: Final = 9.0
 # Thrusters that are asked for at most, those whose errors are farthest outside first.
 # Source: resource: each adds a survey of its five causes, and the fit drags the errors of others along
 THRUSTERS: Final = 4
 
 
-def with_one_thruster(fit: Fit) -> tuple[Fit, list[Scored]]:
+def with_one_thruster(fit: Fit, scored: Sequence[Scored]) -> tuple[Fit, list[Scored]]:
     """The fit with columns of causes of one thruster alone, and their scores.
 
     Args:
         fit: of the model.
+        scored: its candidates, of all thrusters together.
     """
     predictor = fit.noise.predictor
     known = predictor.vehicle.thrusters
+    if len(known) == 1:
+        return fit, []
     errors = zip(known, predictor.propulsion.errors, strict=True)
     far = {t.name: e.largest(t.name, fit.h.declared_errors) for t, e in errors}
-    names = [name for name in sorted(far, key=far.__getitem__, reverse=True)[:THRUSTERS] if far[name] > LEAVING]
-    if len(known) == 1 or not names:
-        return fit, []
+    farthest = sorted(far, key=far.__getitem__, reverse=True)[:THRUSTERS]
+    leaving = [name for name in farthest if far[name] > LEAVING]
+    changed = [c for c in fit.candidates if c.effect.per_thruster and isinstance(c.effect.acts, (Thrust, Inflow))]
+    # A thrust that lags or is late moves no curve, so that no error of it leaves its bound: the time of all thrusters tells where to look.
+    late = {s.id: s for s in scored if _late(s.candidate) and s.fall > LATE}
     out = Columns()
-    # A thrust that lags or is late moves no curve.
-    asked = [c for c in fit.candidates if c.effect.per_thruster and isinstance(c.effect.acts, (Thrust, Inflow))]
-    made = [one for c in asked for name in names for one in c.alone_on(fit.signatures, name, out)]
+    asked = [(c, leaving) for c in changed] + [(s.candidate, farthest) for s in late.values()]
+    made = [one for c, names in asked for name in names for one in c.alone_on(fit.signatures, name, out)]
     if not made:
         return fit, []
     base = fit.projection.base
     fit = replace(fit, gram=fit.gram.extended(out.names, out.arrays))
     p = Projection(fit.gram, base)
-    scored = (one.score(p, fit.signatures) for one in made)
+    one_each = [s for one in made if (s := one.score(p, fit.signatures)) is not None]
+    better = [s for s in one_each if s.id not in late or s.merit > late[s.id].merit + BETTER]
     # They are searched as well as the causes of all thrusters together.
-    return fit, [replace(s, looks=s.looks * (1 + len(names))) for s in scored if s is not None]
+    return fit, [replace(s, looks=s.looks * (1 + len(farthest if s.id in late else leaving))) for s in better]
+
+
+def _late(c: Candidate) -> bool:
+    return c.effect.per_thruster and isinstance(c.effect.acts, Response)

@@ -46,6 +46,8 @@ def slewed(fit: Fit, s: Scored) -> float:
     for pace in PACES:
         change = np.zeros_like(p.thrusts)
         for k, curve in enumerate(predictor.propulsion.curves):
+            if s.candidate.alone not in (None, predictor.vehicle.thrusters[k].name):
+                continue
             now = p.thrusts[k, :n]
             late = limited(now, curve.largest * h / (pace * s.values[0])) - now
             # Over a step the mean of its ends.

@@ -113,6 +113,27 @@ DIAGNOSIS = (
         "test_one_thruster.py",
     ),
     python(
+        "times of one thruster",
+        "diagnosis/candidates/one_thruster.py",
+        "LATE: Final = 25.0",
+        "LATE: Final = 25e9",
+        "test_one_thruster.py",
+    ),
+    python(
+        "times of all thrusters before those of one",
+        "diagnosis/candidates/one_thruster.py",
+        "better = [s for s in one_each if s.id not in late or s.merit > late[s.id].merit + BETTER]",
+        "better = [replace(s, fall=2.0 * s.fall) for s in one_each]",
+        "test_one_thruster.py",
+    ),
+    python(
+        "headings that correct a gyro",
+        "diagnosis/prediction/innovations.py",
+        'elif "position" in self.axes[2].outputs:',
+        'elif "nothing" in self.axes[2].outputs:',
+        "test_modulated.py",
+    ),
+    python(
         "errors that left their bounds before the later causes",
         "diagnosis/selection/review.py",
         "if again is not None and first.boxed > first.fall:",

@@ -95,7 +95,8 @@ EFFECTS: dict[str, Parts] = {
 # skeg, which turns to one side whichever way the hull drifts, and a wind's moment, which repeats after half a turn, or
 # its force ahead past a deck house, which repeats after a third of one, a motor that loses thrust as it grows warm, a thruster that does
 # so as the hull moves, motors that warm with their load and cool down again, a gyro that feels accelerations sideways,
-# liquid that swings in a tank, thrusters in each other's wash, thrusts that change no faster than they can, and a drag that follows late.
+# liquid that swings in a tank, thrusters in each other's wash, thrusts that change no faster than they can, a drag that follows late, and a
+# gyro that does.
 OUTSIDE: dict[str, Parts] = {
     "x.cubic": one(12.0, 3),
     "x.shear": one(8.0, 3),
@@ -114,6 +115,7 @@ OUTSIDE: dict[str, Parts] = {
     "x.slew": {"pace": (1.0, 0.5, "about")},
     "x.lazy": {"size": (10.0, 2, "size"), "pace": (3.0, 0.5, "about")},
     "x.slosh": {"share": (0.1, 0, "share"), "period": (2.0, 0.5, "about")},
+    "x.late": one(0.05, 0.5),
 }
 # Claims without which an effect is the same as other masses and drags: docs/theory.md, "Equivalent effects".
 CLAIMED = {"thruster.gain": ("mass.surge",)}
@@ -129,6 +131,7 @@ SINCE = {
     **dict.fromkeys(("x.tunnel", "x.warm", "x.gyro"), 280000),
     "x.slosh": 290000,
     **dict.fromkeys(("x.cross", "x.slew", "x.lazy"), 300000),
+    "x.late": 310000,
 }
 # Causes outside of the catalogue that joined it, with their names in it, and the seeds before which they are drawn as outside.
 # The hump was drawn in another shape than that of the catalogue, so that the numbers of the two are not compared.

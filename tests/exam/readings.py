@@ -33,6 +33,8 @@ def exact(motion: Motion, effects: Mapping[str, Mapping[str, float]]) -> dict[st
     gyro = r * (1 + effects.get("sensor.yaw_rate.scale", {"": 0.0})[""])
     gyro = gyro + effects.get("sensor.yaw_rate.bias", {"": 0.0})[""]
     gyro = gyro + effects.get("x.gyro", {"": 0.0})[""] * ay
+    if p := effects.get("x.late"):
+        gyro = gyro + earlier(motion, p[""])[2] - r
     return {"u": seen_u, "v": seen_v, "r": gyro, "ax": ax, "ay": ay, "psi": psi, "x": x, "y": y}
 
 

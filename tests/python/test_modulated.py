@@ -104,20 +104,26 @@ def test_a_step_is_held_against_the_thrusts_that_fall_by_least_squares(fit):
     assert max(falls) > 0.0
 
 
-def test_a_gyro_that_feels_accelerations_leaves_what_the_regressor_says(fit):
+@pytest.mark.parametrize("wrong", ["the acceleration sideways", "its delay", "the time"])
+def test_a_gyro_that_is_wrong_with_the_motion_leaves_what_the_regressor_says(fit, wrong):
     """The oracle reads the log once more with the wrong gyro, and follows it by the same hypothesis."""
     names, x, unit = regressors(fit)
-    k = names.index(f"yaw|{WRONG} the acceleration sideways")
+    k = names.index(f"yaw|{WRONG} {wrong}")
     vehicle, g = fit.noise.predictor.vehicle, fit.gram
-    sideways = fit.states.specific[1, : fit.noise.predictor.log.n]
+    n, h = fit.noise.predictor.log.n, fit.noise.predictor.log.h
+    with_the_motion = {
+        "the acceleration sideways": fit.states.specific[1, :n],
+        "its delay": np.gradient(fit.states.points.nu[2, :n], h),
+        "the time": fit.states.points.nu[2, :n] * np.linspace(0.0, 1.0, n),
+    }[wrong]
 
-    def errors(wrong):
+    def errors(added):
         log = train_of(vehicle, duration=120.0)
-        log.columns["r"] = log.columns["r"] + wrong
+        log.columns["r"] = log.columns["r"] + added
         one = Predictor(vehicle, channels(log, vehicle), fit.noise.predictor.ambient)
         return one.errors(one.settle(one.start(fit.h), 3))
 
-    left, length = g.white.blocks([errors(0.01 * sideways) - errors(0.0)], g.good, g.length)
+    left, length = g.white.blocks([errors(0.01 * with_the_motion) - errors(0.0)], g.good, g.length)
     # The filters of the other log have followed the wrong rate, which the answer takes to first order.
     assert along(x[k], left.reshape(g.y.shape)) > 0.97
     assert unit[k] == pytest.approx(length[0], rel=0.2)

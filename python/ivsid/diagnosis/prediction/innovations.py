@@ -123,6 +123,8 @@ class Predictor(StateFilter):
         elif self.rate is not None and self.rate.heading is not None:
             # The heading holds the yaw rate, whatever the gyro reads.
             g[2] = 0.0
+        elif "position" in self.axes[2].outputs:
+            g[2] = self._turning(reading)
         specific = process
         track = None
         turn = None if "psi" not in reading else np.concatenate([reading["psi"], reading["psi"]])
@@ -139,6 +141,18 @@ class Predictor(StateFilter):
         if np.isscalar(specific):
             specific = np.zeros_like(states.nudot)
         return self.answer(np.asarray(process), specific=np.asarray(specific), reading=reading, track=track)
+
+    def _turning(self, reading: Mapping[str, Array]) -> Array:
+        """Errors of the yaw rate that the filter of yaw makes of wrong readings of gyro and heading, at samples and over steps, shape (2 n,).
+
+        The heading corrects what a gyro adds up to: of an error that lasts the filter keeps little.
+        """
+        here = self.axes[2]
+        none = np.zeros(self.log.n)
+        psi, r = reading.get("psi", none), reading.get("r", none)
+        e = here.errors({"position": psi - psi[0], "velocity": r})
+        before = r - e[here.outputs.index("velocity")]
+        return np.concatenate([before, before + here.kalman_gain[1] @ e])
 
 
 def replaced(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:

@@ -175,6 +175,7 @@ def _gyro(fit: Fit) -> Iterator[tuple[str, Array]]:
         "its size": GYRO * np.abs(r),
         "its square": GYRO * r * np.abs(r) / max(size, 1e-9),
         "the time": GYRO * r * np.linspace(0.0, 1.0, n),
+        "its delay": GYRO * fit.states.nudot[2, :n],
     }
     yield from ((f"{CHANNELS[2]}|{WRONG} {by}", x) for by, x in wrong.items())
 

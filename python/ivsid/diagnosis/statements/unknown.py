@@ -38,7 +38,7 @@ def _read(regressor: str) -> str:
     if regressor.startswith(FALL):
         return "; a thrust that falls with the speed of the hull, the heat of its motor or the wash of another does so: the same demand at rest and at speed, early and late in a run, and with the others at rest tells them apart"
     if regressor.startswith(WRONG):
-        return "; a gyro that feels accelerations, or whose scale drifts, does so: turns both ways at rest and at speed beside a compass show it"
+        return "; a gyro that feels accelerations or is filtered, or whose scale drifts, does so: turns both ways at rest and at speed beside a compass show it"
     if regressor.startswith("thrust of "):
         return f"; {_SUGGESTED['thrust']}"
     if "known" in regressor:

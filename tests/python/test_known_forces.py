@@ -57,7 +57,9 @@ def test_errors_inside_the_stated_accuracy_make_no_finding():
 
 @pytest.mark.nightly
 def test_forces_that_are_exact_by_the_file_show_their_errors():
-    found = screened(pushed(0.0, 0.0), known(train_of(vehicle_of())))
+    """Twice the errors of the test above: beside 160 regressors a single one has to stand out farther than beside 130."""
+    twin = vehicle_of(TWIN.replace("absolute = 0.1, relative = 0.02", "absolute = 0.2, relative = 0.04"))
+    found = screened(pushed(0.0, 0.0), known(train_of(twin)))
     assert found.passed or not found.quiet
 
 

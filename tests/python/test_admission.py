@@ -57,7 +57,7 @@ def admitting(monkeypatch):
         refused = {i: SimpleNamespace(rule=rule) for i, rule in (refused or {}).items()}
         passed = [s for s in scored if s.id not in refused]
         screened = SimpleNamespace(
-            round=SimpleNamespace(scored=scored, stands=lambda _: True, lingers=lambda _: False),
+            round=SimpleNamespace(scored=scored, abrupt=lambda _: True, lingers=lambda _: False),
             measured=lambda s: s,
             passed=passed,
             refused=refused,

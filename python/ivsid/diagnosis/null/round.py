@@ -28,7 +28,6 @@ from ivsid.diagnosis.null.inside_cells import CLEAR, CLOSER, FINER, inside_cells
 from ivsid.diagnosis.null.modulated import modulated_columns
 from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
-from ivsid.diagnosis.null.slewed import lags, slewed
 from ivsid.diagnosis.null.slow_force import SlowForce, slow_force
 from ivsid.diagnosis.null.visibility import Visibility
 
@@ -55,9 +54,6 @@ class Round:
     seen: Mapping[str, Visibility]
     _left: dict[tuple[tuple[object, ...], tuple[float, ...]], float] = field(
         default_factory=dict, repr=False, compare=False
-    )
-    _slewed: dict[tuple[tuple[object, ...], tuple[float, ...]], float] = field(
-        default_factory=dict, init=False, compare=False, repr=False
     )
     _gradual: dict[tuple[tuple[object, ...], tuple[float, ...]], float] = field(
         default_factory=dict, repr=False, compare=False
@@ -178,17 +174,6 @@ class Round:
     def abrupt(self, s: Scored) -> bool:
         """Whether a cause, if it is one that starts at a time, does."""
         return not s.candidate.starts or self.gradual(s) <= most_beyond(s)
-
-    def slewed(self, s: Scored) -> float:
-        """What thrusts whose rate is limited explain beyond a cause by which they follow late."""
-        asked = (s.id, *s.columns), s.theta
-        if asked not in self._slewed:
-            self._slewed[asked] = slewed(self.fit, s) - s.fall
-        return self._slewed[asked]
-
-    def stands(self, s: Scored) -> bool:
-        """Whether a cause that starts at a time does, and one by which thrusts follow late is no limit of their rate."""
-        return self.abrupt(s) and (not lags(s) or self.slewed(s) <= most_beyond(s))
 
     def lingers(self, s: Scored) -> bool:
         """Whether the log does not tell a cause that starts at a time from the same force that comes gradually."""

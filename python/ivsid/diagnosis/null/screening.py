@@ -23,7 +23,6 @@ from ivsid.diagnosis.null.own_past import FORETOLD
 from ivsid.diagnosis.null.round import Round
 from ivsid.diagnosis.null.rule import Rule
 from ivsid.diagnosis.null.second_opinion import second_opinion
-from ivsid.diagnosis.null.slewed import lags
 from ivsid.diagnosis.null.thresholds import HIGH_SIDE
 from ivsid.diagnosis.null.visibility import EXCITED, VISIBLE
 
@@ -229,18 +228,6 @@ ABRUPT: Final = Rule[Case](
     lambda c: c.s.candidate.starts,
     least=False,
 )
-SLEWED: Final = Rule[Case](
-    "slewed",
-    "fall of chi² by thrusts whose rate is limited, beyond that of a cause by which they follow late",
-    f"at most {BETTER:g}, or {100 * CURVED:g} % of the fall where that is more",
-    "A drive that changes its thrust no faster than it can follows a small step at once and a large one late, and is no lag and no delay.",
-    "definition: 0.3 % of normal errors lie beyond three standard deviations",
-    lambda c: c.round.slewed(c.s),
-    lambda c: most_beyond(c.s),
-    "thrusts that change no faster than a limit explain {value:.0f} more in chi², and by more than {limit:.0f} they are no thrusts that lag",
-    lambda c: lags(c.s),
-    least=False,
-)
 POSSIBLE: Final = Rule[Case](
     "possible size",
     "size over the typical size",
@@ -357,7 +344,6 @@ SCREENING: Final = (
     CHANCE,
     NEGLIGIBLE_RULE,
     ABRUPT,
-    SLEWED,
     POSSIBLE,
     BESIDE_BLIND,
     OPINION,

@@ -87,7 +87,7 @@ def admit(
         {
             s.id: s
             for s in (*(q for q in near if q.id not in outsiders), *passed)
-            if s.physical and test.eligible(s) and screened.round.stands(s)
+            if s.physical and test.eligible(s) and screened.round.abrupt(s)
         }.values(),
         key=lambda s: -s.merit,
     )

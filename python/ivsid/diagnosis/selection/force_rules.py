@@ -177,4 +177,30 @@ OUTLINE: Final = Rule[Remainder](
     lambda _: BENT,
     "it explains {value:.2%} of what {case.rough} explains over the same velocity, whose shape is known to {limit:.0%}",
 )
-FORCES: Final = (ONE_FORCE, ROUGH_FORCE, SLOW_FORCE, BETTER_FORCE, BETTER_CURVE, OUTLINE)
+
+
+@dataclass(frozen=True)
+class Slewed:
+    """A cause by which thrusts follow late.
+
+    Attributes:
+        fall: of chi-squared by it, fitted in full.
+        more: what thrusts whose rate is limited explain beyond it.
+    """
+
+    fall: float
+    more: float
+
+
+SLEWED: Final = Rule[Slewed](
+    "slewed",
+    "fall of chi² by thrusts whose rate is limited, beyond that of a cause by which they follow late, once that is fitted in full",
+    f"at most {MARGIN:g}, or {100 * CURVED:g} % of the fall where that is more",
+    "A drive that changes its thrust no faster than it can follows a small step at once and a large one late, and is no lag and no delay.",
+    "definition: 0.3 % of normal errors lie beyond three standard deviations",
+    lambda c: c.more,
+    lambda c: max(MARGIN, CURVED * c.fall),
+    "thrusts that change no faster than a limit explain {value:.0f} more in chi², and by more than {limit:.0f} they are no thrusts that lag",
+    least=False,
+)
+FORCES: Final = (ONE_FORCE, ROUGH_FORCE, SLOW_FORCE, BETTER_FORCE, BETTER_CURVE, OUTLINE, SLEWED)

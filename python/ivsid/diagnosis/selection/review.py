@@ -19,7 +19,7 @@ from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.round import Round
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
-from ivsid.diagnosis.null.screening import ABRUPT, IMITATED, SLEWED, Case
+from ivsid.diagnosis.null.screening import ABRUPT, IMITATED, Case
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.selection.parallel import side_by_side
@@ -81,8 +81,8 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
             # What declared errors may take of a cause is less where other causes leave it fewer directions.
             refusal = full_refused(passes, passes(bare, [again], others).measured(again), mine.fall, others)
         if refusal is None and again is not None:
-            # Beside the later causes it may come gradually, or be a limit of a rate.
-            refusal = first_refusal((ABRUPT, SLEWED), Case(alone, again), others)
+            # Beside the later causes it may come gradually.
+            refusal = ABRUPT.refuses(Case(alone, again), others)
         if refusal is None and not possible(states.h, one.id, problem.noise.predictor):
             # Beside the later causes it has numbers that make another cause of it, which the next round finds.
             refusal = refused_by(NUMBERS, others)
@@ -90,7 +90,7 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
             return Reviewed(True, [f for f in found if f is not one], without, refused | {one.id: refusal})
         near = contenders(scored, mine.merit)
         near = [s for s in near if s.id not in others and s.id != one.id and s.physical and passes.eligible(s)]
-        near = [s for s in near if alone.stands(s)]
+        near = [s for s in near if alone.abrupt(s)]
         near = near[: FINALISTS - 1]
         tried = side_by_side([partial(fitted, problem, bare, s) for s in near], partial(starts, bare, near))
         rivals = sorted(

@@ -19,6 +19,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import PRICE, Scored
 from ivsid.diagnosis.estimation.problem import Problem
+from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.prediction.innovations import Predictor
@@ -96,6 +97,7 @@ class Found:
         chance: probability of such a fall without the cause, over all of its values that were searched.
         first: the score by which the cause was found.
         lingers: whether it starts at a time, and the log does not tell it from the same force that comes gradually.
+        slewed: the refusal of a cause by which thrusts follow late, if thrusts whose rate is limited do so better.
     """
 
     id: str
@@ -105,6 +107,7 @@ class Found:
     chance: float
     first: Scored
     lingers: bool = False
+    slewed: Refusal | None = None
 
     @property
     def others(self) -> frozenset[str]:

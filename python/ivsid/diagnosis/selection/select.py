@@ -21,10 +21,13 @@ from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.null.screening import chance
+from ivsid.diagnosis.null.slewed import lags, slewed
 from ivsid.diagnosis.null.slow_force import slow_force
+from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.selection.admission import admit
-from ivsid.diagnosis.selection.force_rules import SLOW_FORCE, Slow
+from ivsid.diagnosis.selection.force_rules import SLEWED, SLOW_FORCE, Slewed, Slow
 from ivsid.diagnosis.selection.one_force import imitating
 from ivsid.diagnosis.selection.review import Reviewed, reviewed
 from ivsid.diagnosis.selection.rivals import FULL_STEPS, Found
@@ -117,21 +120,22 @@ def select(
             # What passes neither by its score nor in full is no rival of what does.
             new = {r.id for r in one.rivals} - {q.id for q in passed} - outsiders
             outsiders |= new
-            again += not new
-            if again > REVIEWS:
+            if (again := again + (not new)) > REVIEWS:
                 break
             states = improve(Problem.at(noise, plain.fixed, fit.states), fit.states, FULL_STEPS)
             fit, scored = score(survey(noise, states, plain.fixed))
             continue
-        found.append(one)
-        states = improve(Problem.at(noise, plain.fixed, best.states), best.states)
-        review = _reviews(noise, Reviewed(True, found, states, {}), passes, plain, before)
+        one, states = _late_or_slewed(Problem.at(noise, plain.fixed, best.states), best.states, one, plain.h)
+        review = Reviewed(True, [*found, one], states, {})
+        if one.slewed is None:
+            review = _reviews(noise, review, passes, plain, before)
         found = review.found
-        refused = {**review.refused, **refused}
-        refused = {i: r for i, r in refused.items() if i not in {f.id for f in found}}
+        refused = {i: r for i, r in {**review.refused, **refused}.items() if i not in {f.id for f in found}}
         fit, scored = score(survey(noise, review.states, plain.fixed))
-        now = frozenset(f.id for f in found)
-        if now in tops:
+        if one.slewed is not None:
+            # What a limit of a rate leaves beside a lag is no cause.
+            break
+        if (now := frozenset(f.id for f in found)) in tops:
             screened = passes(fit, scored, tuple(now))
             back = refused_by(SETTLED, tuple(now))
             refused = {**dict.fromkeys((q.id for q in screened.passed), back), **screened.refused, **refused}
@@ -163,7 +167,7 @@ def _without_one_force(s: Selection, level: float) -> Selection:
         s: with them.
         level: threshold of the log.
     """
-    said = imitating(s.last, s.found)
+    said = {**imitating(s.last, s.found), **{f.id: f.slewed for f in s.found if f.slewed is not None}}
     if not said:
         return s
     h = s.last.h
@@ -177,6 +181,23 @@ def _without_one_force(s: Selection, level: float) -> Selection:
     found = tuple(f for f in s.found if f.id not in said)
     gone = tuple(f for f in s.found if f.id in said and f.id not in slow)
     return replace(s, last=fit, found=found, leftover=tuple(scored), refused={**refused, **s.refused}, imitating=gone)
+
+
+def _late_or_slewed(
+    problem: Problem, first: FilteredStates, one: Found, plain: Hypothesis
+) -> tuple[Found, FilteredStates]:
+    """A cause fitted to the end, with its refusal if thrusts whose rate is limited follow late better than by it, and its states.
+
+    Args:
+        problem: the log.
+        first: states of the hypothesis with the cause.
+        one: the cause.
+        plain: the hypothesis without any cause.
+    """
+    states = improve(problem, first)
+    if not lags(one.first):
+        return one, states
+    return replace(one, slewed=SLEWED.refuses(Slewed(one.fall, slewed(problem, states, one.first, plain)))), states
 
 
 def _of_slow_force(fit: Fit, gone: Mapping[str, Scored], level: float) -> dict[str, Refusal]:

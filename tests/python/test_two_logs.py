@@ -18,8 +18,9 @@ from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.statements import shallow_water
 from ivsid.diagnosis.statements.findings import WIDE, shallow
-from ivsid.diagnosis.statements.shallow_water import LEAST, Change, Factor, agree, change
+from ivsid.diagnosis.statements.shallow_water import LEAST, Change, Factor, agree, change, sounded
 from ivsid.diagnosis.statements.two_logs import Changes, changes, one_log
 from ivsid.log import Log
 
@@ -157,9 +158,7 @@ def pair(seed, factor, **more):
 
 
 def changed(vehicle, train, test):
-    return change(
-        vehicle, plain_fit(vehicle, channels(train, vehicle, None), everything), channels(test, vehicle, None)
-    )
+    return change(plain_fit(vehicle, channels(train, vehicle), everything), channels(test, vehicle))
 
 
 # Nightly: two simulations each; the gate has the algebra above.
@@ -180,6 +179,30 @@ def test_a_tenth_is_found_beside_an_error_of_the_thrust(seed, kind, family, styl
     bound = shallow(moved).parameters[EFFECT]
     assert bound.lower <= 1.1 <= bound.upper and bound.lower > 1.05
     assert moved.factor.within(WIDE) == (bound.lower, bound.upper)
+
+
+@pytest.mark.parametrize(
+    ("depths", "water"), [((9.0, 0.4), 1), ((2.0, 3.0), -1), ((2.0, 1.5), 0), ((2.0, None), 0), ((2.0, np.nan), 0)]
+)
+def test_depths_say_that_the_water_is_another(depths, water):
+    log = Log("1.csv", "0" * 64, np.arange(3.0), {"u": np.zeros(3)})
+    logs = [log if d is None else replace(log, columns={**log.columns, "depth": np.full(3, d)}) for d in depths]
+    assert sounded(*logs) == water
+
+
+# Nightly: two simulations.
+@pytest.mark.nightly
+def test_a_sounding_asks_for_fewer_changes_and_only_for_those_that_it_makes(monkeypatch):
+    """Three numbers have to change by themselves where no depth is stated; two where it is, and shallower water makes them larger."""
+    vehicle, train, test = pair(
+        20, 1.1, kind="twin", thrust="offset", share=0.6, duration=300.0, style="rich", rate=10.0
+    )
+    fit, other = plain_fit(vehicle, channels(train, vehicle), everything), channels(test, vehicle)
+    monkeypatch.setattr(shallow_water, "MEMBERS", 9)
+    assert change(fit, other) is None
+    moved = {water: change(fit, other, water) for water in (1, -1)}
+    assert moved[1] is not None and moved[1].factor is not None
+    assert moved[-1] is not None and moved[-1].factor is None
 
 
 def test_weaker_thrusts_stand_beside_the_water_where_nothing_tells_them_apart():

@@ -47,7 +47,7 @@ from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
 from ivsid.diagnosis.statements.proved import Proof, lasting, proof_of, proved_findings, upheld
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.rules import DOMINANT_RULE
-from ivsid.diagnosis.statements.shallow_water import change
+from ivsid.diagnosis.statements.shallow_water import change, sounded
 from ivsid.diagnosis.statements.trial import Trial, unchanged
 from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.diagnosis.statements.without import handed_out
@@ -116,7 +116,7 @@ def diagnose(
         selection = _named(fit, scored, confirmation.test, progress)
     # Most findings stand, so their model is tried while they are examined, and the other log is asked of its water.
     trial = Trial(other, selection, seed, tried, nothing)
-    shoaling = Apart(partial(change, selection.last, other))
+    shoaling = Apart(partial(change, selection.last, other, sounded(train, test)))
     trial.look()
     before, motion = judging.result()
     rest, structure = _left(selection, before, test_of.visible, looks)

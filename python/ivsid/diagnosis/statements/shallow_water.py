@@ -29,13 +29,17 @@ from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.statements.two_logs import SHARED, Changes, changes, one_log
 from ivsid.effects.environment import SHALLOW_SCALED
+from ivsid.log import Log
 
 # Parameters that have to be fitted and to change: a factor of fewer may be chance. Two masses changed by 2.3 % where a failed thruster was fitted.
 # Source: measured: make constants
 MEMBERS: Final = 3
-# The same where axes are left out, as on a straight line, and the fit holds nothing else.
+# The same where axes are left out, as on a straight line, and the fit holds nothing else, or where both logs state their depths, and those differ.
 # Source: definition: the mass and the drag of surge
-ON_A_LINE: Final = 2
+FEWER: Final = 2
+# Ratio of the depths of two logs from which on the water is another one.
+# Source: definition: half as much again
+OTHER_DEPTH: Final = 1.5
 # Standard deviations that the common change has to exceed.
 # Source: definition: 6e-7 of normal errors lie beyond
 SIGMAS: Final = 5.0
@@ -102,12 +106,27 @@ class Change:
     thrusts: bool = False
 
 
-def change(last: Fit, test: Channels) -> Change | None:
+def sounded(train: Log, test: Log) -> int:
+    """1 where the depths that both logs state say that the water of TEST is shallower, -1 where it is deeper, and 0 where they say neither.
+
+    Args:
+        train: the first log.
+        test: the other one.
+    """
+    depths = [log.columns["depth"] for log in (train, test) if "depth" in log.columns]
+    there = [float(np.nanmedian(d)) for d in depths if np.isfinite(d).any()]
+    if len(there) < 2 or min(there) <= 0 or max(there) < OTHER_DEPTH * min(there):
+        return 0
+    return 1 if there[1] < there[0] else -1
+
+
+def change(last: Fit, test: Channels, water: int = 0) -> Change | None:
     """Fits the last hypothesis to the other log, under the noise of the first.
 
     Args:
         last: fit of the extended model to TRAIN.
         test: the other log.
+        water: what depths say of it (``sounded``).
 
     Returns:
         The change; None if the logs differ in channels or clock, if too few parameters are fitted, or if the fit fails.
@@ -116,7 +135,7 @@ def change(last: Fit, test: Channels) -> Change | None:
     unsure = undetermined(last)
     fitted = [i for i in last.h.values if i not in fixed and i not in unsure]
     wanted = [i for i in SHALLOW_SCALED if i in fitted]
-    members = ON_A_LINE if last.noise.left_out else MEMBERS
+    members = FEWER if last.noise.left_out or water else MEMBERS
     if len(wanted) < members:
         return None
     train = last.noise.predictor
@@ -152,6 +171,9 @@ def change(last: Fit, test: Channels) -> Change | None:
             )
             # The other log may have further structure, which may move the parameters.
             factor = common(found.of(count), members) if adequacy(there).white else None
+            if factor is not None and factor.mean * water < 0:
+                # Masses and drags do not fall where the water gets shallow.
+                factor = None
             thrusts = factor is not None and agree(found, factor.mean)
     except np.linalg.LinAlgError:
         return None

@@ -91,6 +91,17 @@ def test_the_number_is_what_is_allowed_by_hand():
     assert parted_of(exact(0.3, 50.0, range(480, 520)))[HEADING] == pytest.approx(0.0, abs=0.01)
 
 
+def test_a_gyro_that_drifts_as_it_warms_parts_over_minutes():
+    """A stranger's gyro whose bias followed its warming was adequate: over twenty seconds its noise allows as much."""
+    log = exact()
+    drift = 1e-3 * (1.0 - 2.2 * np.exp(-log.t / 157.0))
+    wrong = replace(log, columns={**log.columns, "r": log.columns["r"] + drift})
+    by_hand = np.abs(np.cumsum(0.1 * drift)[600:] - np.cumsum(0.1 * drift)[:-600]).max()
+    minute = by_hand / (2 * PSI + 60 * SLOW + np.sqrt(60) * WALK)
+    assert parted_of(wrong)[HEADING] == pytest.approx(minute, rel=0.05)
+    assert parted_of(exact())[HEADING] < 0.01
+
+
 def test_a_rate_that_jumps_inside_the_steps_of_a_rare_clock_is_no_heading_that_parts(monkeypatch):
     """Velocities of every third row set the clock: a sum over it misses up to a step of each jump, and sound logs of strangers were `unknown`."""
     t = 0.1 * np.arange(1200)

@@ -1,8 +1,8 @@
-"""Causes of one thruster alone, where a fitted error of its thrust has left its bound behind.
+"""Causes of one thruster alone, where that of all shows something or a fitted error of its thrust has left its bound behind.
 
 Each effect of a thrust may be one of a single thruster: a propeller that is nicked, a motor whose current is limited. Asked of every thruster in every
-log they would be as many candidates again as there are thrusters. Errors that are declared tell where to look: such a cause has an error of its own
-thruster leave its bound.
+log they would be as many candidates again as there are thrusters. The same cause of all thrusters tells where to look, as it is partly that of one, and
+errors that are declared do: a cause that moves a curve has an error of its own thruster leave its bound.
 
 Source: docs/theory.md, "Causes of one thruster".
 """
@@ -15,17 +15,17 @@ from typing import Final
 
 from ivsid.diagnosis.estimation.columns import Columns
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.estimation.kinds.candidate import Candidate, Scored
+from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.effects import Inflow, Response, Thrust
+from ivsid.effects import Response
 
 # Fitted error of a thrust, in its bound, from which on causes of its thruster alone are asked for.
 # Source: definition: an error is twice what is declared
 LEAVING: Final = 2.0
-# Fall of chi-squared by a time of all thrusters from which on the times of each are asked for.
+# Fall of chi-squared by a cause of all thrusters from which on that of each is asked for.
 # Source: definition: five standard deviations
-LATE: Final = 25.0
-# A time of one thruster stands in the place of that of all where its merit is larger by more.
+SHOWN: Final = 25.0
+# A cause of one thruster stands in the place of that of all where its merit is larger by more.
 # Source: definition: three standard deviations
 BETTER: Final = 9.0
 # Thrusters that are asked for at most, those whose errors are farthest outside first.
@@ -48,11 +48,11 @@ def with_one_thruster(fit: Fit, scored: Sequence[Scored]) -> tuple[Fit, list[Sco
     far = {t.name: e.largest(t.name, fit.h.declared_errors) for t, e in errors}
     farthest = sorted(far, key=far.__getitem__, reverse=True)[:THRUSTERS]
     leaving = [name for name in farthest if far[name] > LEAVING]
-    changed = [c for c in fit.candidates if c.effect.per_thruster and isinstance(c.effect.acts, (Thrust, Inflow))]
-    # A thrust that lags or is late moves no curve, so that no error of it leaves its bound: the time of all thrusters tells where to look.
-    late = {s.id: s for s in scored if _late(s.candidate) and s.fall > LATE}
+    shown = {s.id: s for s in scored if s.candidate.effect.per_thruster and s.fall > SHOWN}
+    # A thrust that lags or is late moves no curve, so that no error of it leaves its bound.
+    moved = [c for c in fit.candidates if c.effect.per_thruster and not isinstance(c.effect.acts, Response)]
+    asked = [(s.candidate, farthest) for s in shown.values()] + [(c, leaving) for c in moved if c.id not in shown]
     out = Columns()
-    asked = [(c, leaving) for c in changed] + [(s.candidate, farthest) for s in late.values()]
     made = [one for c, names in asked for name in names for one in c.alone_on(fit.signatures, name, out)]
     if not made:
         return fit, []
@@ -60,10 +60,6 @@ def with_one_thruster(fit: Fit, scored: Sequence[Scored]) -> tuple[Fit, list[Sco
     fit = replace(fit, gram=fit.gram.extended(out.names, out.arrays))
     p = Projection(fit.gram, base)
     one_each = [s for one in made if (s := one.score(p, fit.signatures)) is not None]
-    better = [s for s in one_each if s.id not in late or s.merit > late[s.id].merit + BETTER]
+    better = [s for s in one_each if s.id not in shown or s.merit > shown[s.id].merit + BETTER]
     # They are searched as well as the causes of all thrusters together.
-    return fit, [replace(s, looks=s.looks * (1 + len(farthest if s.id in late else leaving))) for s in better]
-
-
-def _late(c: Candidate) -> bool:
-    return c.effect.per_thruster and isinstance(c.effect.acts, Response)
+    return fit, [replace(s, looks=s.looks * (1 + len(farthest if s.id in shown else leaving))) for s in better]

@@ -21,8 +21,8 @@ from ivsid.vehicle import InertialSensor
 
 Array = NDArray[np.float64]
 # Times over which readings may part [s].
-# Source: geometry: a reading that is wrong for some seconds and for half a minute; beyond that the slow errors of a gyro add up
-OVER: Final = (5.0, 10.0, 20.0)
+# Source: geometry: a reading that is wrong for some seconds and for half a minute, and a gyro that drifts as it warms, which adds up over minutes
+OVER: Final = (5.0, 10.0, 20.0, 60.0, 120.0, 240.0)
 # Time over which readings are averaged at either end [s].
 # Source: geometry: several samples, so that single ones that jump do not count, and little of the shortest time
 MEAN: Final = 1.0

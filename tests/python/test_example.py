@@ -130,8 +130,8 @@ def test_a_cause_that_the_example_hardly_shows_has_no_wrong_name(tmp_path):
     place = tmp_path / "example"
     result = ivsid.diagnose(place / "boat.toml", place / "run1.csv", place / "run2.csv")
     assert all("thruster.gain" in {f.effect, *f.alternatives} for f in result.findings)
-    # It says that this log does not test the cause.
-    assert "does not test it" in result.selection.refused["thruster.gain"].sentence
+    # A cause of z below eight may show enough to be named since; it says what explains that as well.
+    assert "inside the stated accuracies may explain it" in result.selection.refused["thruster.gain"].sentence
 
 
 # Nightly: a whole diagnosis; the gate has the example that the documents follow.

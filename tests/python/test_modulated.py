@@ -18,7 +18,7 @@ from ivsid.diagnosis.null.modulated import _meets, modulated, modulated_columns
 from ivsid.diagnosis.null.round import Round
 from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.selection.dictionary import SWINGS, WRONG, _swings, regressors
+from ivsid.diagnosis.selection.dictionary import FELT, SWINGS, WRONG, _swings, regressors
 from ivsid.vehicle import parse_vehicle
 
 
@@ -104,22 +104,36 @@ def test_a_step_is_held_against_the_thrusts_that_fall_by_least_squares(fit):
     assert max(falls) > 0.0
 
 
-@pytest.mark.parametrize("wrong", ["the acceleration sideways", "its delay", "the time"])
-def test_a_gyro_that_is_wrong_with_the_motion_leaves_what_the_regressor_says(fit, wrong):
-    """The oracle reads the log once more with the wrong gyro, and follows it by the same hypothesis."""
+@pytest.mark.parametrize(
+    ("channel", "regressor"),
+    [
+        ("r", f"yaw|{WRONG} the acceleration sideways"),
+        ("r", f"yaw|{WRONG} its delay"),
+        ("r", f"yaw|{WRONG} the time"),
+        ("ax", f"surge|{FELT} its scale"),
+        ("ax", f"surge|{FELT} the other axis"),
+        ("ay", f"sway|{FELT} its size"),
+    ],
+)
+def test_a_sensor_that_is_wrong_with_the_motion_leaves_what_the_regressor_says(fit, channel, regressor):
+    """The oracle reads the log once more with the wrong sensor, and follows it by the same hypothesis."""
     names, x, unit = regressors(fit)
-    k = names.index(f"yaw|{WRONG} {wrong}")
+    k = names.index(regressor)
     vehicle, g = fit.noise.predictor.vehicle, fit.gram
     n, h = fit.noise.predictor.log.n, fit.noise.predictor.log.h
+    ahead, sideways = fit.states.specific[:2, :n]
     with_the_motion = {
-        "the acceleration sideways": fit.states.specific[1, :n],
+        "the acceleration sideways": sideways,
         "its delay": np.gradient(fit.states.points.nu[2, :n], h),
         "the time": fit.states.points.nu[2, :n] * np.linspace(0.0, 1.0, n),
-    }[wrong]
+        "its scale": ahead,
+        "the other axis": sideways,
+        "its size": np.abs(sideways),
+    }[regressor.split(" wrong with ")[1]]
 
     def errors(added):
         log = train_of(vehicle, duration=120.0)
-        log.columns["r"] = log.columns["r"] + added
+        log.columns[channel] = log.columns[channel] + added
         one = Predictor(vehicle, channels(log, vehicle), fit.noise.predictor.ambient)
         return one.errors(one.settle(one.start(fit.h), 3))
 

@@ -54,8 +54,8 @@ def test_a_curve_that_fills_its_accuracy_makes_no_finding(seed, family):
 # Nightly: a whole diagnosis; the gate screens such a log.
 @pytest.mark.nightly
 def test_the_sentence_names_the_thruster_and_what_to_do():
-    # 955 is told as a wrong thrust curve by name since the catalogue holds one.
-    c = calm(956, "two_waves", 3.0, duration=300.0)
+    # 955 is told as a wrong thrust curve by name since the catalogue holds one, and 956 as one of port since one thruster alone is asked for.
+    c = calm(958, "two_waves", 3.0, duration=300.0)
     result = diagnose(c.vehicle, log_of(c.train), log_of(c.test, "2.csv"))
     assert result.verdict == "unknown"
     text = result.findings[-1].description

@@ -50,11 +50,12 @@ TRAILS: Final = (2.0, 6.0)
 # Acceleration of gravity [m/s^2].
 # Source: physics: standard gravity, ISO 80000-3
 GRAVITY: Final = 9.80665
-# First words of the errors of a gyro.
+# First words of the errors of a gyro, and of an accelerometer.
 WRONG: Final = "yaw rate read wrong with"
-# How much of each is added [rad/s a m/s^2 or rad/s]: the answer to a small one is linear in it.
+FELT: Final = "acceleration read wrong with"
+# How much of each is added, as a share of a reading [1, or rad/s a m/s^2]: the answer to a small one is linear in it.
 # Source: geometry: a hundredth, as of the scale of a gyro
-GYRO: Final = 0.01
+SHARE: Final = 0.01
 # Least time of a memory, in steps of the clock.
 # Source: geometry: a shorter one is the acceleration itself, which the model's own columns hold
 LEAST_MEMORY: Final = 2.0
@@ -67,11 +68,11 @@ def regressors(fit: Fit) -> tuple[list[str], Array, Array]:
     """The dictionary's regressors: names ``channel|function``, whitened columns in unit length, (regressors, blocks, numbers), and their lengths."""
     names, arrays = _dictionary(fit)
     g, predictor = fit.gram, fit.noise.predictor
-    read = dict(_gyro(fit))
+    read = [*_gyro(fit), *_accelerometer(fit)]
     columns = [predictor.answer(a) for a in arrays]
-    columns += [predictor.misread(fit.states, {"r": x}, mass=fit.signatures.mass) for x in read.values()]
+    columns += [predictor.misread(fit.states, wrong, mass=fit.signatures.mass) for _, wrong in read]
     x, unit = g.white.blocks(columns, g.good, g.length)
-    return [*names, *read], x.reshape(-1, *g.y.shape), unit
+    return [*names, *(name for name, _ in read)], x.reshape(-1, *g.y.shape), unit
 
 
 def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
@@ -160,8 +161,8 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
     return names, arrays
 
 
-def _gyro(fit: Fit) -> Iterator[tuple[str, Array]]:
-    """Errors of a gyro that go with the motion, where a heading says so: names, and additions to its readings, shape (n,)."""
+def _gyro(fit: Fit) -> Iterator[tuple[str, dict[str, Array]]]:
+    """Errors of a gyro that go with the motion, where a heading says so: names, and additions to its readings, shape (n,), by channel."""
     log, p = fit.noise.predictor.log, fit.states.points
     if log.psi is None or log.turned:
         return
@@ -170,14 +171,24 @@ def _gyro(fit: Fit) -> Iterator[tuple[str, Array]]:
     ahead, sideways = fit.states.specific[:2, :n]
     size = float(np.abs(r).max())
     wrong = {
-        "the acceleration ahead": GYRO * ahead,
-        "the acceleration sideways": GYRO * sideways,
-        "its size": GYRO * np.abs(r),
-        "its square": GYRO * r * np.abs(r) / max(size, 1e-9),
-        "the time": GYRO * r * np.linspace(0.0, 1.0, n),
-        "its delay": GYRO * fit.states.nudot[2, :n],
+        "the acceleration ahead": SHARE * ahead,
+        "the acceleration sideways": SHARE * sideways,
+        "its size": SHARE * np.abs(r),
+        "its square": SHARE * r * np.abs(r) / max(size, 1e-9),
+        "the time": SHARE * r * np.linspace(0.0, 1.0, n),
+        "its delay": SHARE * fit.states.nudot[2, :n],
     }
-    yield from ((f"{CHANNELS[2]}|{WRONG} {by}", x) for by, x in wrong.items())
+    yield from ((f"{CHANNELS[2]}|{WRONG} {by}", {"r": x}) for by, x in wrong.items())
+
+
+def _accelerometer(fit: Fit) -> Iterator[tuple[str, dict[str, Array]]]:
+    """Errors of an accelerometer that go with the motion, as a scale that is off: names, and additions to its readings, shape (n,), by channel."""
+    log = fit.noise.predictor.log
+    felt = fit.states.specific[:2, : log.n]
+    for k, q in enumerate(("ax", "ay")):
+        if log.acceleration[k] is not None:
+            wrong = {"its scale": felt[k], "its size": np.abs(felt[k]), "the other axis": felt[1 - k]}
+            yield from ((f"{CHANNELS[k]}|{FELT} {by}", {q: SHARE * x}) for by, x in wrong.items())
 
 
 def _memories(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:

@@ -32,7 +32,7 @@ from ivsid.diagnosis.null.gradual import GRADUAL, gradual_forces
 from ivsid.diagnosis.null.modulated import FALL
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.usual_hull import hull_limits
-from ivsid.diagnosis.selection.dictionary import WRONG, regressors
+from ivsid.diagnosis.selection.dictionary import FELT, WRONG, regressors
 from ivsid.diagnosis.selection.force_rules import (
     BETTER_CURVE,
     BETTER_FORCE,
@@ -52,7 +52,7 @@ Array = NDArray[np.float64]
 # Source: definition: three quarters are the force's; of other parts of the errors it has nothing
 REPLACED: Final = 0.25
 # First words of forces and readings of one cause with all the channels in which it acts.
-EVERYWHERE: Final = (GRADUAL, FALL, WRONG)
+EVERYWHERE: Final = (GRADUAL, FALL, WRONG, FELT)
 
 
 def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:

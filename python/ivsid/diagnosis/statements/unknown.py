@@ -10,7 +10,7 @@ import numpy as np
 
 from ivsid.diagnosis.null.modulated import FALL
 from ivsid.diagnosis.selection.adequacy import PARTED, REPEATS, ROUGHER, SCATTERED, Adequacy
-from ivsid.diagnosis.selection.dictionary import WRONG
+from ivsid.diagnosis.selection.dictionary import FELT, WRONG
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.residuals import FindingEvidence
 from ivsid.diagnosis.statements.sensor_words import APART, READ, WORDS
@@ -39,6 +39,8 @@ def _read(regressor: str) -> str:
         return "; a thrust that falls with the speed of the hull, the heat of its motor or the wash of another does so: the same demand at rest and at speed, early and late in a run, and with the others at rest tells them apart"
     if regressor.startswith(WRONG):
         return "; a gyro that feels accelerations or is filtered, or whose scale drifts, does so: turns both ways at rest and at speed beside a compass show it"
+    if regressor.startswith(FELT):
+        return "; an accelerometer whose scale is off, or that feels its other axis, does so: readings at rest on each of its sides show it"
     if regressor.startswith("thrust of "):
         return f"; {_SUGGESTED['thrust']}"
     if "known" in regressor:

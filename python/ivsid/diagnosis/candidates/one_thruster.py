@@ -25,6 +25,9 @@ LEAVING: Final = 2.0
 # Fall of chi-squared by a cause of all thrusters from which on that of each is asked for.
 # Source: definition: five standard deviations
 SHOWN: Final = 25.0
+# The same as a share of the largest fall by any cause.
+# Source: geometry: that of all shows a quarter of what one of four alike thrusters does, and a fifth of that is a fifth of the largest fall at most
+BESIDE: Final = 0.05
 # A cause of one thruster stands in the place of that of all where its merit is larger by more.
 # Source: definition: three standard deviations
 BETTER: Final = 9.0
@@ -48,7 +51,8 @@ def with_one_thruster(fit: Fit, scored: Sequence[Scored]) -> tuple[Fit, list[Sco
     far = {t.name: e.largest(t.name, fit.h.declared_errors) for t, e in errors}
     farthest = sorted(far, key=far.__getitem__, reverse=True)[:THRUSTERS]
     leaving = [name for name in farthest if far[name] > LEAVING]
-    shown = {s.id: s for s in scored if s.candidate.effect.per_thruster and s.fall > SHOWN}
+    least = max(SHOWN, BESIDE * max((s.fall for s in scored), default=0.0))
+    shown = {s.id: s for s in scored if s.candidate.effect.per_thruster and s.fall > least}
     # A thrust that lags or is late moves no curve, so that no error of it leaves its bound.
     moved = [c for c in fit.candidates if c.effect.per_thruster and not isinstance(c.effect.acts, Response)]
     asked = [(s.candidate, farthest) for s in shown.values()] + [(c, leaving) for c in moved if c.id not in shown]

@@ -148,10 +148,17 @@ DIAGNOSIS = (
         "test_one_thruster.py",
     ),
     python(
-        "times of all thrusters before those of one",
+        "causes of all thrusters before those of one",
         "diagnosis/candidates/one_thruster.py",
-        "better = [s for s in one_each if s.id not in shown or s.merit > shown[s.id].merit + BETTER]",
-        "better = [replace(s, fall=2.0 * s.fall) for s in one_each]",
+        "one[s.id].merit <= s.merit + BETTER]",
+        "one[s.id].merit <= 0.0]",
+        "test_one_thruster.py",
+    ),
+    python(
+        "finer bands of all thrusters before those of one",
+        "diagnosis/candidates/families.py",
+        "    fit, found = with_finer(fit, found)\n",
+        "",
         "test_one_thruster.py",
     ),
     python(

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ivsid.diagnosis.candidates.finer import with_finer
-from ivsid.diagnosis.candidates.one_thruster import with_one_thruster
+from ivsid.diagnosis.candidates.one_thruster import clearer, with_one_thruster
 from ivsid.diagnosis.candidates.searched import with_searched
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
@@ -27,13 +27,15 @@ def score(fit: Fit) -> tuple[Fit, list[Scored]]:
     p = fit.projection
     found = [s for c in fit.candidates if (s := c.score(p, fit.signatures)) is not None]
     fit, searched = with_searched(fit, p)
+    # The errors of a cause of all thrusters and of one jump at the same values: both are asked at finer ones before they are compared.
+    fit, found = with_finer(fit, found)
     fit, alone = with_one_thruster(fit, found)
-    fit, found = with_finer(fit, _merged([*found, *alone]))
-    return fit, sorted(_merged([*found, *searched]), key=lambda s: -s.merit)
+    fit, alone = with_finer(fit, _merged(alone))
+    return fit, sorted(_merged([*clearer(found, alone), *searched]), key=lambda s: -s.merit)
 
 
 def _merged(found: Sequence[Scored]) -> list[Scored]:
-    """One score an effect: the best of its thrusters."""
+    """One score an effect: the best of its candidates."""
     best: dict[str, Scored] = {}
     for s in found:
         if s.id not in best or s.merit > best[s.id].merit:

@@ -64,6 +64,17 @@ def with_one_thruster(fit: Fit, scored: Sequence[Scored]) -> tuple[Fit, list[Sco
     fit = replace(fit, gram=fit.gram.extended(out.names, out.arrays))
     p = Projection(fit.gram, base)
     one_each = [s for one in made if (s := one.score(p, fit.signatures)) is not None]
-    better = [s for s in one_each if s.id not in shown or s.merit > shown[s.id].merit + BETTER]
     # They are searched as well as the causes of all thrusters together.
-    return fit, [replace(s, looks=s.looks * (1 + len(farthest if s.id in shown else leaving))) for s in better]
+    return fit, [replace(s, looks=s.looks * (1 + len(farthest if s.id in shown else leaving))) for s in one_each]
+
+
+def clearer(scored: Sequence[Scored], alone: Sequence[Scored]) -> list[Scored]:
+    """One score an effect: that of all thrusters, unless that of one is clearly better.
+
+    Args:
+        scored: candidates of all thrusters together, and of causes at none.
+        alone: candidates of one, the best of each effect.
+    """
+    one = {s.id: s for s in alone}
+    kept = [s for s in scored if s.id not in one or one[s.id].merit <= s.merit + BETTER]
+    return [*kept, *(s for s in alone if s.id not in {q.id for q in kept})]

@@ -196,7 +196,7 @@ def test_an_ambient_force_of_another_spectrum_is_no_finding(seed, sea, hidden, m
         others = MINUTES, ANY_CURVE, CLOSER_CURVE
         monkeypatch.setattr(family_wise, "SCREENING", tuple(r for r in family_wise.SCREENING if r not in others))
         # A drag that grows shows 25 beside a z of less than 8, and passes with it.
-        assert hidden in screened(vehicle, train).passed
+        assert set(screened(vehicle, train).passed) - {"fouling.drift"} == {hidden}
     else:
         none = Scatter(np.zeros(1), np.array(np.inf))
         monkeypatch.setattr(adequacy, "excess", lambda fit, p, at, noise: none)

@@ -26,13 +26,13 @@ LEAVING: Final = 2.0
 # Source: definition: five standard deviations
 SHOWN: Final = 25.0
 # The same as a share of the largest fall by any cause.
-# Source: geometry: that of all shows a quarter of what one of four alike thrusters does, and a fifth of that is a fifth of the largest fall at most
+# Source: geometry: that of all shows a quarter of what that of one of four alike thrusters does, and below a fifth of the largest fall this is not named next
 BESIDE: Final = 0.05
 # A cause of one thruster stands in the place of that of all where its merit is larger by more.
 # Source: definition: three standard deviations
 BETTER: Final = 9.0
 # Thrusters that are asked for at most, those whose errors are farthest outside first.
-# Source: resource: each adds a survey of its five causes, and the fit drags the errors of others along
+# Source: resource: each adds a survey of its causes, and the fit drags the errors of others along
 THRUSTERS: Final = 4
 
 

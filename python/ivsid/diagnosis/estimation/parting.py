@@ -1,7 +1,7 @@
 """How far readings part that follow from one another: a heading from what a gyro adds up, a position from what velocities do.
 
 A filter follows a compass that is drawn aside for half a minute, or a position that drifts with reflected signals, and its prediction errors are small. What
-the change of the one and the sum of the other differ by over some seconds holds all of it, and no model of the vehicle.
+the change of the one and the sum of the other differ by over seconds or minutes holds all of it, and no model of the vehicle.
 
 Source: docs/theory.md, "Readings that part".
 """
@@ -35,7 +35,7 @@ PLACE: Final = "x y by u v"
 
 
 def parted(predictor: Predictor, states: FilteredStates) -> dict[str, float]:
-    """The farthest that readings part over some seconds, over what their stated accuracies allow, by channels; of those that state both.
+    """The farthest that readings part over seconds or minutes, over what their stated accuracies allow, by channels; of those that state both.
 
     Args:
         predictor: of a log.

@@ -109,7 +109,7 @@ OF_READINGS: Final = Rule[Left](
 )
 OF_ONE_ANOTHER: Final = Rule[Left](
     "readings part",
-    "change of a heading over 5 to 20 s less what a gyro adds up, or of a position less what velocities do, at the most, over what their stated "
+    "change of a heading over 5 to 240 s less what a gyro adds up, or of a position less what velocities do, at the most, over what their stated "
     "accuracies allow",
     f"at most {PARTED:g}",
     "A filter follows a compass that is drawn aside for half a minute, so that its prediction errors are small. No model of the vehicle is asked.",

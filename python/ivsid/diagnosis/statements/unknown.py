@@ -84,7 +84,7 @@ def _read_wrong(left: Adequacy) -> Iterator[tuple[str, str]]:
             left.parted,
             PARTED,
             APART,
-            "{} part by {:.2g} times what their stated accuracies allow over some seconds: one of the sensors is worse than it states, or wrong for a while, "
+            "{} part by {:.2g} times what their stated accuracies allow over seconds or minutes: one of the sensors is worse than it states, or wrong for a while, "
             "as a compass is near steel, a position in reflected signals and a velocity that is lost and kept",
         ),
     )

@@ -18,6 +18,7 @@ from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.plant.propulsion import SHORTEST_LAG
 from ivsid.diagnosis.plant.thruster_forces import bollard_force
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.effects import Grid, Response
@@ -56,7 +57,7 @@ def slewed(problem: Problem, states: FilteredStates, s: Scored, plain: Hypothesi
         change = np.zeros_like(points.thrusts)
         for k, curve in enumerate(predictor.propulsion.curves):
             if s.candidate.alone in (None, predictor.vehicle.thrusters[k].name):
-                now = limited(sent[k, :n], curve.largest * h / (pace * time))
+                now = limited(sent[k, :n], curve.largest * h / max(pace * time, SHORTEST_LAG))
                 # Over a step the mean of its ends.
                 change[k] = np.concatenate([now, 0.5 * (now + np.r_[now[1:], now[-1]])]) - points.thrusts[k]
         forces.append(mass.solve(bollard_force(predictor.vehicle, change, turn)))

@@ -134,6 +134,20 @@ DIAGNOSIS = (
         "test_one_force.py",
     ),
     python(
+        "a cause whose own force stands in the place of several",
+        "diagnosis/selection/one_force.py",
+        "return [] if BETTER_FORCE.refuses(alone) else [single[best]]",
+        "return []",
+        "test_one_force.py",
+    ),
+    python(
+        "any cause owns the force of several",
+        "diagnosis/selection/one_force.py",
+        "return [] if BETTER_FORCE.refuses(alone) else [single[best]]",
+        "return [single[best]]",
+        "test_one_force.py",
+    ),
+    python(
         "causes of one thruster",
         "diagnosis/candidates/one_thruster.py",
         "LEAVING: Final = 2.0",

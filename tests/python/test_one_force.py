@@ -98,6 +98,22 @@ def test_a_thrust_turned_around_replaces_no_drags(unit, stands):
     assert replace(asked, hull={}).refusal(("a", "b"), ()) is not None
 
 
+@pytest.mark.parametrize(("share", "kept"), [(0.4, ("a",)), (0.9, ())])
+def test_a_force_that_may_be_one_cause_s_own_takes_the_others_alone(share, kept):
+    """A force of which one cause explains four fifths and more is its own, as it would be without the others."""
+    rng = np.random.default_rng(7)
+    one, other = np.linalg.qr(rng.normal(size=(400, 2)))[0].T
+    # What the force explains over what the better cause does: 1 + share^2.
+    force = 10.0 * (one + share * other)
+    x = np.stack([*rng.normal(size=(2, 400)), one, other, force, *rng.normal(size=(2, 400))], axis=1)
+    g = gram_of(x, 3.0 * force + 0.01 * rng.normal(size=400))
+    asked = _Asked({"a": [2], "b": [3]}, np.zeros(4), g, "fgh", (), (), {})
+    found = asked.refusal(("a", "b"), ("c",))
+    assert found is not None
+    assert found.rule == "one force"
+    assert found.beside == ("c", *kept)
+
+
 @pytest.mark.parametrize(("boxed", "refused"), [((), True), (("b",), True), (("a",), False)])
 def test_a_curve_replaces_no_cause_whose_evidence_is_errors_beyond_their_bounds(boxed, refused):
     """What any function of a velocity explains beside soft errors says nothing of errors that have to keep their bounds."""

@@ -75,7 +75,7 @@ def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
                 continue
             refusal = asked.refusal(ids, [f.id for f in found if f.id not in ids])
             if refusal is not None:
-                refused |= dict.fromkeys(ids, refusal)
+                refused |= {i: refusal for i in ids if i not in refusal.beside}
     return refused | asked.outlined(rough - refused.keys(), [i for i in asked.own if i not in rough | refused.keys()])
 
 
@@ -169,7 +169,10 @@ class _Asked:
             float(one.max()),
             self.forces[best].startswith(EVERYWHERE),
         )
-        refusal = (ONE_FORCE if len(ids) > 1 else BETTER_FORCE).refuses(case, others)
+        if len(ids) > 1:
+            refusal = ONE_FORCE.refuses(case, [*others, *self._own(case, p, at, held)])
+        else:
+            refusal = BETTER_FORCE.refuses(case, others)
         if refusal is None and len(ids) > 1:
             refusal = self._rough(case, p, at, held, others)
         for group in self.groups:
@@ -188,6 +191,23 @@ class _Asked:
                     beside = self._beside_thrusts(curve, self.free(), at, held, group)
                     refusal = BETTER_CURVE.refuses(beside, others)
         return refusal
+
+    def _own(self, case: Together, p: Projection, at: Sequence[int], held: Array) -> list[str]:
+        """The cause of several whose own force the one in their place may be, as it might be a single cause's.
+
+        Args:
+            case: the causes.
+            p: least squares on the model without them.
+            at: their columns.
+            held: their coefficients that the errors no longer hold, in unit lengths.
+        """
+        single = [i for i in case.ids if len(self.own[i]) == 1]
+        if not single:
+            return []
+        falls = in_their_place(p, at, held, [self.own[i][0] for i in single])[1]
+        best = int(np.argmax(falls))
+        alone = replace(case, ids=(single[best],), fall=float(falls[best]), numbers=1)
+        return [] if BETTER_FORCE.refuses(alone) else [single[best]]
 
     def _rough(
         self, case: Together, p: Projection, at: Sequence[int], held: Array, others: Sequence[str]

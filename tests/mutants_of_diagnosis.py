@@ -92,6 +92,13 @@ DIAGNOSIS = (
         "test_two_logs.py",
     ),
     python(
+        "what turns on the other log alone",
+        "diagnosis/statements/shallow_water.py",
+        "adequacy(there, turning=True)",
+        "adequacy(there)",
+        "test_two_logs.py",
+    ),
+    python(
         "jets that are thrown ahead",
         "diagnosis/null/modulated.py",
         "-(turn[0][i] * ahead + turn[1][i] * aside)",

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.exam.cases import case as sealed
 from tests.exam.draw import case
 from tests.exam.thrust_errors import SHAPES
 
@@ -23,6 +24,7 @@ from ivsid.diagnosis.statements.findings import WIDE, shallow
 from ivsid.diagnosis.statements.shallow_water import LEAST, Change, Factor, agree, change, sounded
 from ivsid.diagnosis.statements.two_logs import Changes, changes, one_log
 from ivsid.log import Log
+from ivsid.vehicle import parse_vehicle
 
 SEED = int(os.environ.get("IVSID_SEED", "0"))
 EFFECT = "environment.shallow_water"
@@ -203,6 +205,17 @@ def test_a_sounding_asks_for_fewer_changes_and_only_for_those_that_it_makes(monk
     moved = {water: change(fit, other, water) for water in (1, -1)}
     assert moved[1] is not None and moved[1].factor is not None
     assert moved[-1] is not None and moved[-1].factor is None
+
+
+def test_a_drag_of_turning_on_the_other_log_is_no_water():
+    """On a line nothing is seen of a drag that goes with u r^2; the other log turns, and its masses and drags came out four per cent too large."""
+    drawn = sealed(300358, what="outside", sea="any", sensors="any")
+    assert list(drawn.truth) == ["x.turning"]
+    logs = [
+        Log(f"{k}.csv", "0" * 64, q["t"], {n: x for n, x in q.items() if n != "t"}) for k, q in enumerate(drawn.logs)
+    ]
+    moved = changed(parse_vehicle(drawn.text, "v.toml"), *logs)
+    assert moved is not None and moved.factor is None
 
 
 def test_weaker_thrusts_stand_beside_the_water_where_nothing_tells_them_apart():

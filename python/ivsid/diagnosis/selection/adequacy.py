@@ -250,9 +250,14 @@ def energy_of(fit: Fit, columns: Sequence[int]) -> Array:
     return np.asarray((x.reshape(-1, rows, fit.gram.length) ** 2).sum(axis=(0, 2)))
 
 
-def adequacy(fit: Fit) -> Adequacy:
-    """Adequacy of a fitted model; structure that is more than chance has to stand beside any thrust curve inside its accuracy."""
-    names, x, unit = regressors(fit)
+def adequacy(fit: Fit, *, turning: bool = False) -> Adequacy:
+    """Adequacy of a fitted model; structure that is more than chance has to stand beside any thrust curve inside its accuracy.
+
+    Args:
+        fit: of the model.
+        turning: whether functions of the yaw rate are structure where yaw is left out, as gusts that turn the hull may make them.
+    """
+    names, x, unit = regressors(fit, turning=turning)
     # The model's own columns stand beside the dictionary, and those of the causes do not.
     g = fit.gram.only(fit.base)
     first = len(g.names)

@@ -64,9 +64,14 @@ LEAST_MEMORY: Final = 2.0
 LEAST_AMBIENT: Final = 1e-6
 
 
-def regressors(fit: Fit) -> tuple[list[str], Array, Array]:
-    """The dictionary's regressors: names ``channel|function``, whitened columns in unit length, (regressors, blocks, numbers), and their lengths."""
-    names, arrays = _dictionary(fit)
+def regressors(fit: Fit, *, turning: bool = False) -> tuple[list[str], Array, Array]:
+    """The dictionary's regressors: names ``channel|function``, whitened columns in unit length, (regressors, blocks, numbers), and their lengths.
+
+    Args:
+        fit: of the model.
+        turning: whether functions of the yaw rate count where yaw is left out.
+    """
+    names, arrays = _dictionary(fit, turning=turning)
     g, predictor = fit.gram, fit.noise.predictor
     read = [*_gyro(fit), *_accelerometer(fit)]
     columns = [predictor.answer(a) for a in arrays]
@@ -75,7 +80,7 @@ def regressors(fit: Fit) -> tuple[list[str], Array, Array]:
     return [*names, *(name for name, _ in read)], x.reshape(-1, *g.y.shape), unit
 
 
-def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
+def _dictionary(fit: Fit, *, turning: bool) -> tuple[list[str], list[Array]]:
     """Names ``channel|function`` of the regressors and their accelerations, each of shape (3, 2 n)."""
     p = fit.states.points
     u, v, r = p.nu
@@ -137,7 +142,7 @@ def _dictionary(fit: Fit) -> tuple[list[str], list[Array]]:
         x, y = (q - q.mean() for q in p.place)
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()), 1e-9)
         functions |= {"x": x / reach, "y": y / reach, "x u": x / reach * a, "y u": y / reach * a}
-    if fit.noise.left_out:
+    if fit.noise.left_out and not turning:
         # Axes that are left out have no fitted model, so functions of their velocities show no cause.
         functions = {k: f for k, f in functions.items() if "r" not in set(SYMBOLS.findall(k))}
     names, arrays, trails = [], [], list(_trails(fit))

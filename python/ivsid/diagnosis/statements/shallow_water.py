@@ -169,8 +169,8 @@ def change(last: Fit, test: Channels, water: int = 0) -> Change | None:
                 one_log(_beside_slow(other), other.projection.base, after, other.box),
                 logs,
             )
-            # The other log may have further structure, which may move the parameters.
-            factor = common(found.of(count), members) if adequacy(there).white else None
+            # The other log may have further structure, which may move the parameters: it may turn where the first one hardly does.
+            factor = common(found.of(count), members) if adequacy(there, turning=True).white else None
             if factor is not None and factor.mean * water < 0:
                 # Masses and drags do not fall where the water gets shallow.
                 factor = None

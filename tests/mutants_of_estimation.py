@@ -251,15 +251,22 @@ ESTIMATION = (
     python(
         "rows that are too long for a good gyro",
         "diagnosis/estimation/noise.py",
-        "np.sqrt(predictor.log.n) > TOLD * _turning(predictor)",
-        "np.sqrt(predictor.log.n) > 0.0",
+        "np.sqrt(predictor.log.n) <= TOLD * _turning(predictor)",
+        "np.sqrt(predictor.log.n) <= 0.0",
         "test_straight_runs.py",
     ),
     python(
         "a yaw that forgets within a row",
         "diagnosis/estimation/noise.py",
-        "np.sqrt(np.mean(slopes[2, 2] ** 2))) > 1",
-        "np.sqrt(np.mean(slopes[2, 2] ** 2))) > 10",
+        "(QUICKER * rows > 1 and not told)",
+        "(QUICKER * rows > 10 and not told)",
+        "test_straight_runs.py",
+    ),
+    python(
+        "turns that are over within a row",
+        "diagnosis/estimation/noise.py",
+        "return rows > WITHIN_ROW or",
+        "return rows > 10.0 or",
         "test_straight_runs.py",
     ),
     python(

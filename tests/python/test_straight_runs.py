@@ -124,12 +124,10 @@ def test_drags_of_yaw_that_a_straight_run_leaves_open_are_those_of_a_hull():
 def test_yaw_is_left_out_where_its_turns_are_over_within_two_rows_and_their_noise_shows():
     """Beside large rudders whose moment damped 3 to 14 times a second, a sound model was told from its log by the noise of the rows alone."""
     terms = [*TRUTH, "drag.yaw.linear"]
-    hidden = {"drag.yaw.linear": 2.0 * TRUTH["inertia.yaw"]}
-
     vehicle = parse_vehicle(f"{TWIN}{SENSORS}\n[model]\nterms = {terms}\n", "damped.toml")
 
-    def found(rate: float, duration: float):
-        log = train_of(vehicle, hidden, rate=rate, duration=duration)
+    def found(rate: float, duration: float, damping: float = 2.0):
+        log = train_of(vehicle, {"drag.yaw.linear": damping * TRUTH["inertia.yaw"]}, rate=rate, duration=duration)
         return plain_fit(vehicle, channels(log, vehicle), everything)
 
     rare, often, short = found(4.0, 1200.0), found(10.0, 240.0), found(4.0, 240.0)
@@ -139,6 +137,8 @@ def test_yaw_is_left_out_where_its_turns_are_over_within_two_rows_and_their_nois
     assert "damps its turns too quickly for readings of yaw every 0.25 s" in note and "hardly turns" not in note
     # What the noise of few rows does to the damping is less than what they tell of it.
     assert [fit.h.values["drag.yaw.linear"] for fit in (often, short)] == pytest.approx([18.0, 18.0], rel=0.1)
+    # However good the readings are, no model follows turns that are over within a row.
+    assert found(3.0, 120.0, 4.0).noise.left_out == {2}
 
 
 def test_a_number_that_no_motion_of_a_log_with_turns_excites_is_that_of_a_hull(monkeypatch):

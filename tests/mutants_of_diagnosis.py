@@ -92,6 +92,13 @@ DIAGNOSIS = (
         "test_two_logs.py",
     ),
     python(
+        "fits that start at limits of hulls alone",
+        "diagnosis/selection/rivals.py",
+        "    if not at_limits(fit):\n",
+        "    if True:\n",
+        "test_full_fits.py",
+    ),
+    python(
         "what turns on the other log alone",
         "diagnosis/statements/shallow_water.py",
         "adequacy(there, turning=True)",

@@ -37,7 +37,7 @@ def admitting(monkeypatch):
     fit = SimpleNamespace(problem=problem, states="", fixed={})
     fakes = {
         "side_by_side": lambda tasks, _: [task() for task in tasks],
-        "fitted": lambda problem, fit, s: Rival(s.id, SimpleNamespace(h=s.id), BASE - s.fall, 1, s.fall),
+        "fitted_inside": lambda problem, fit, s: Rival(s.id, SimpleNamespace(h=s.id), BASE - s.fall, 1, s.fall),
         "in_place_of": lambda problem, fit, s, own, best: own,
         "_learnt": lambda fit, states: problem.noise,
         "_exact": lambda problem, states, id_: (states, BASE - LEARNT.get(id_, 0.0)),

@@ -28,7 +28,7 @@ from ivsid.diagnosis.selection.rivals import (
     Found,
     Rival,
     contenders,
-    fitted,
+    fitted_inside,
     in_place_of,
     possible,
     starts,
@@ -96,7 +96,7 @@ def admit(
     waiting = {i: r for i, r in ranked.items() if r is not None}
     refused: dict[str, Refusal] = {}
     models = partial(starts, fit, finalists)
-    tried = side_by_side([partial(fitted, fit.problem, fit, s) for s in finalists], models)
+    tried = side_by_side([partial(fitted_inside, fit.problem, fit, s) for s in finalists], models)
     if any(r is not None for r in tried):
         leader = max((r for r in tried if r is not None), key=lambda r: r.place)
         pairs = zip(finalists, tried, strict=True)

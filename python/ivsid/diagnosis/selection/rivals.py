@@ -15,14 +15,16 @@ import numpy as np
 
 from ivsid.diagnosis.candidates.families import adopted
 from ivsid.diagnosis.candidates.profile import refined, sought
+from ivsid.diagnosis.estimation.first_values import first_values
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import PRICE, Scored
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.plant.usual_hull import hull_limits
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
-from ivsid.diagnosis.prediction.innovations import Predictor
+from ivsid.diagnosis.prediction.innovations import Predictor, replaced
 from ivsid.effects import EFFECTS
 
 # Price of the less simple of two causes that fit exactly alike.
@@ -203,6 +205,32 @@ def in_place_of(problem: Problem, fit: Fit, s: Scored, own: Rival | None, best: 
         return own
     again = fitted(problem, fit, s, best.states.under(best.states.h.without(best.id, fit.h)))
     return max((r for r in (own, again) if r is not None), key=lambda r: r.merit, default=None)
+
+
+def fitted_inside(problem: Problem, fit: Fit, s: Scored) -> Rival | None:
+    """A cause fitted in full, from the masses and drags of a regression as well where those of the model without it stand at limits of hulls.
+
+    Thrusts that come late by many rows ask for a hull of any mass. Steps that start at a limit stay there, and chi-squared has another minimum inside.
+
+    Args:
+        problem: the log.
+        fit: of the model without the cause.
+        s: the cause with its score.
+    """
+    own = fitted(problem, fit, s)
+    if not at_limits(fit):
+        return own
+    predictor = problem.noise.predictor
+    first = first_values(predictor.vehicle, predictor.log, fit.h.terms, dict(fit.fixed))
+    start = fit.states.under(replaced(fit.h, {i: first.values[i] for i in fit.free}))
+    again = fitted(problem, fit, s, predictor.settle(start, 2))
+    return max((r for r in (own, again) if r is not None), key=lambda r: r.merit, default=None)
+
+
+def at_limits(fit: Fit) -> bool:
+    """Whether a mass or a drag of a fit is the least or the most that a hull may have."""
+    limits = hull_limits(fit.noise.predictor.vehicle, fit.h.terms)
+    return any(fit.h.values[i] in ends for i, ends in limits.items() if i in fit.free and fit.h.values[i] != 0)
 
 
 def possible(h: Hypothesis, id_: str, predictor: Predictor) -> bool:

@@ -1,0 +1,27 @@
+"""Causes fitted in full: from the model without them, and from inside the limits of hulls."""
+
+import pytest
+from tests.exam.cases import case
+
+from ivsid.diagnosis.candidates.families import everything, score
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.selection.rivals import at_limits, fitted, fitted_inside
+from ivsid.log import Log
+from ivsid.vehicle import parse_vehicle
+
+
+def test_a_delay_of_many_rows_is_fitted_from_inside_the_limits_of_hulls():
+    """Thrusts that come a second late ask for a hull of three times its mass; steps from there stayed, and a stranger's ROV was `unknown`."""
+    drawn = case(
+        330205, what="one", effect="thruster.delay", size=6.0, kind="rov", duration=300.0, rate=10.0, style="rich"
+    )
+    vehicle, columns = parse_vehicle(drawn.text, "v.toml"), drawn.logs[0]
+    log = Log("1.csv", "0" * 64, columns["t"], {n: x for n, x in columns.items() if n != "t"})
+    fit, scored = score(plain_fit(vehicle, channels(log, vehicle), everything))
+    assert at_limits(fit)
+    delay = next(s for s in scored if s.id == "thruster.delay")
+    there, inside = fitted(fit.problem, fit, delay), fitted_inside(fit.problem, fit, delay)
+    assert there is not None and inside is not None and inside.fall > 5.0 * there.fall
+    (number,) = (g.values[0] for g in inside.states.h.given)
+    assert number == pytest.approx(drawn.truth["thruster.delay"], rel=0.1)

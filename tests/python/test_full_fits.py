@@ -3,9 +3,11 @@
 import pytest
 from tests.exam.cases import case
 
-from ivsid.diagnosis.candidates.families import everything, score
+from ivsid.diagnosis.candidates.families import adopted, everything, score
 from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.fit import survey
 from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.selection import rivals
 from ivsid.diagnosis.selection.rivals import at_limits, fitted, fitted_inside
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
@@ -25,3 +27,19 @@ def test_a_delay_of_many_rows_is_fitted_from_inside_the_limits_of_hulls():
     assert there is not None and inside is not None and inside.fall > 5.0 * there.fall
     (number,) = (g.values[0] for g in inside.states.h.given)
     assert number == pytest.approx(drawn.truth["thruster.delay"], rel=0.1)
+
+
+def test_a_further_cause_is_fitted_from_inside_the_limits_beside_one_that_has_numbers_of_its_own(monkeypatch):
+    """The numbers of a cause that the model holds are no masses and drags, of which a regression knows nothing."""
+    drawn = case(330205, what="none", kind="rov", duration=300.0, rate=10.0, style="rich")
+    vehicle, columns = parse_vehicle(drawn.text, "v.toml"), drawn.logs[0]
+    log = Log("1.csv", "0" * 64, columns["t"], {n: x for n, x in columns.items() if n != "t"})
+    fit, scored = score(plain_fit(vehicle, channels(log, vehicle), everything))
+    delay = next(s for s in scored if s.id == "thruster.delay")
+    beside, again = score(
+        survey(fit.noise, fit.noise.predictor.settle(fit.states.under(adopted(fit.h, delay, fit))), fit.fixed)
+    )
+    assert "thruster.delay" in beside.free
+    monkeypatch.setattr(rivals, "at_limits", lambda _: True)
+    found = fitted_inside(beside.problem, beside, again[0])
+    assert found is None or found.id == again[0].id

@@ -222,7 +222,7 @@ def fitted_inside(problem: Problem, fit: Fit, s: Scored) -> Rival | None:
         return own
     predictor = problem.noise.predictor
     first = first_values(predictor.vehicle, predictor.log, fit.h.terms, dict(fit.fixed))
-    start = fit.states.under(replaced(fit.h, {i: first.values[i] for i in fit.free}))
+    start = fit.states.under(replaced(fit.h, {i: x for i, x in first.values.items() if i in fit.free}))
     again = fitted(problem, fit, s, predictor.settle(start, 2))
     return max((r for r in (own, again) if r is not None), key=lambda r: r.merit, default=None)
 

@@ -11,7 +11,8 @@ from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.data.from_pose import differenced
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.estimation.noise import axes_left_out, declared_ambient
+from ivsid.diagnosis.estimation.left_out import axes_left_out
+from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle

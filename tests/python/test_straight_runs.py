@@ -11,7 +11,7 @@ from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation import learning
 from ivsid.diagnosis.estimation.learning import determined, plain_fit, undetermined
-from ivsid.diagnosis.estimation.noise import axes_left_out
+from ivsid.diagnosis.estimation.left_out import axes_left_out
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.plant.usual_hull import usual_numbers
 from ivsid.diagnosis.prediction.yaw_rate import yaw_rate

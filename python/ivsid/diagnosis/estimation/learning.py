@@ -14,14 +14,12 @@ from ivsid.diagnosis.estimation.angles import RUNS, run
 from ivsid.diagnosis.estimation.first_values import first_values, with_fitted
 from ivsid.diagnosis.estimation.fit import Fit, Search, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
+from ivsid.diagnosis.estimation.left_out import YAW, axes_left_out, rows_too_long
 from ivsid.diagnosis.estimation.noise import (
-    YAW,
     Noise,
     ambient_of,
-    axes_left_out,
     declared_ambient,
     quick_enough,
-    rows_too_long,
     settled_after,
     usable_rows,
 )

@@ -6,7 +6,8 @@ from collections.abc import Collection, Mapping
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.learning import undetermined
-from ivsid.diagnosis.estimation.noise import axes_left_out, declared_ambient
+from ivsid.diagnosis.estimation.left_out import axes_left_out
+from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.estimation.whitening import SLOW
 from ivsid.diagnosis.null.visibility import VISIBLE, Visibility
 from ivsid.diagnosis.prediction.innovations import Predictor

@@ -25,7 +25,7 @@ from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.usual_hull import hull_limits
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.prediction.innovations import Predictor, replaced
-from ivsid.effects import EFFECTS
+from ivsid.effects import EFFECTS, terms_of
 
 # Price of the less simple of two causes that fit exactly alike.
 # Source: definition: any positive number breaks the tie
@@ -221,9 +221,10 @@ def fitted_inside(problem: Problem, fit: Fit, s: Scored) -> Rival | None:
     if not at_limits(fit):
         return own
     predictor = problem.noise.predictor
-    first = first_values(predictor.vehicle, predictor.log, fit.h.terms, dict(fit.fixed))
+    # Terms of causes that the model holds beside its own may ask for columns that a regression has not.
+    first = first_values(predictor.vehicle, predictor.log, terms_of(predictor.vehicle), dict(fit.fixed))
     start = fit.states.under(replaced(fit.h, {i: x for i, x in first.values.items() if i in fit.free}))
-    again = fitted(problem, fit, s, predictor.settle(start, 2))
+    again = fitted(problem, fit, s, start)
     return max((r for r in (own, again) if r is not None), key=lambda r: r.merit, default=None)
 
 

@@ -75,7 +75,8 @@ ONE_FORCE: Final = Rule[Together](
     "merit of several linear causes together over that of the best single force of no cause in their place",
     f"at least {MARGIN:g}",
     "Causes of independent origin that have the very sizes with which they add up to one simple force would be a coincidence: the force is one "
-    f"that the catalogue lacks. It is not asked where one of the causes alone explains as much as the force does, to {BENT:.0%}: the force is that cause.",
+    f"that the catalogue lacks. It is not asked where one of the causes alone explains as much as the force does, to {BENT:.0%}: the force is that cause. "
+    "A cause of them whose own force it may be, by the rule of a single one, keeps its name, and the others lose theirs.",
     "definition: 0.3 % of normal errors lie beyond",
     lambda c: c.fall - PRICE * (c.numbers - 1) - c.alone,
     lambda _: MARGIN,

@@ -9,7 +9,7 @@ Source: docs/theory.md, "The catalogue of effects".
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -18,16 +18,13 @@ from numpy.typing import NDArray
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit, survey
-from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.learning import undetermined
-from ivsid.diagnosis.estimation.noise import Noise, usable_rows
+from ivsid.diagnosis.estimation.other_log import carried_to
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.slow_force import slow_force
-from ivsid.diagnosis.plant.driving import Driving
-from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.diagnosis.selection.adequacy import adequacy
-from ivsid.diagnosis.statements.two_logs import SHARED, Changes, changes, one_log
+from ivsid.diagnosis.statements.two_logs import Changes, changes, one_log
 from ivsid.effects.environment import SHALLOW_SCALED
 from ivsid.log import Log
 
@@ -52,9 +49,6 @@ MOVED: Final = 3.0
 # Least relative change that counts.
 # Source: measured: make constants
 LEAST: Final = 0.02
-# Relative difference of the clocks of two logs that counts as none.
-# Source: definition: rounding of time stamps
-SAME_CLOCK: Final = 1e-6
 # Relative variance that is added to that of each parameter, so that their covariance can be inverted.
 # Source: measured: make constants
 FLOOR: Final = 1e-8
@@ -138,18 +132,11 @@ def change(last: Fit, test: Channels, water: int = 0) -> Change | None:
     members = FEWER if last.noise.left_out or water else MEMBERS
     if len(wanted) < members:
         return None
-    train = last.noise.predictor
-    # The thrusters are the same, and so are the errors of their curves: one set of errors serves both logs.
-    driving = Driving(train.vehicle, test, train.propulsion.errors)
-    predictor = Predictor(train.vehicle, test, train.ambient, driving=driving, turning=not last.noise.left_out)
-    if predictor.labels != train.labels or abs(test.h / train.log.h - 1) > SAME_CLOCK:
-        return None
-    noise = Noise(predictor, last.noise.whitening, usable_rows(predictor), last.noise.left_out)
-    # Biases belong to one log, so they are fitted again from zero.
-    first = replace(last.h, declared_errors={k: e for k, e in last.h.declared_errors.items() if k.startswith(SHARED)})
     try:
-        states = predictor.settle(predictor.start(first), 2)
-        states = improve(Problem.at(noise, fixed, states), states)
+        carried = carried_to(last, test)
+        if carried is None:
+            return None
+        noise, states = carried
         g = Problem.at(noise, fixed, states).gram(states)
         alone = [i for i in fitted if i not in wanted and last.h.values[i] * states.h.values[i] > 0]
         before, after = ({i: q.values[i] for i in (*wanted, *alone)} for q in (last.h, states.h))
@@ -162,7 +149,12 @@ def change(last: Fit, test: Channels, water: int = 0) -> Change | None:
         if factor_of(found.of(count))[0].counts:
             # A curve may bend or jump between its knots: what is left has to stand beside any curve, the same in both logs.
             there = survey(noise, states, fixed)
-            over = [np.r_[p, q] for p, q in zip(train.propulsion.demands, predictor.propulsion.demands, strict=True)]
+            over = [
+                np.r_[p, q]
+                for p, q in zip(
+                    last.noise.predictor.propulsion.demands, noise.predictor.propulsion.demands, strict=True
+                )
+            ]
             one, other = AnyCurve(last, over), AnyCurve(there, over)
             found = changes(
                 one_log(_beside_slow(one), one.projection.base, before, one.box),

@@ -9,12 +9,12 @@ from functools import partial
 from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.learning import determined, undetermined
+from ivsid.diagnosis.estimation.other_log import SHARED
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor, replaced
 from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.statements.comparison import Gain, compare
 from ivsid.diagnosis.statements.share import Share, shares
-from ivsid.diagnosis.statements.two_logs import SHARED
 from ivsid.diagnosis.statements.without import same_causes, without
 from ivsid.intervals.apart import Apart
 

@@ -18,11 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.cross_products import RIDGE, Gram
+from ivsid.diagnosis.estimation.other_log import SHARED
 from ivsid.diagnosis.plant.declared_readings import FIXED
 
 Array = NDArray[np.float64]
-# Declared errors that two logs of one vehicle share, by the first words of their names: those of thrust curves and blades, which are static.
-SHARED: Final = ("~thrust.", "~hysteresis.", "~cell.", "~rudder.")
 # Declared errors with a bound of which each log has its own: the speed of sound in the water scales a velocity, and a sensor is mounted again.
 OWN: Final = FIXED
 

@@ -13,7 +13,8 @@ from ivsid import diagnose
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.selection.force_rules import BETTER_FORCE, ONE_FORCE, Together
-from ivsid.diagnosis.selection.one_force import REPLACED, _Asked, in_their_place, least_part
+from ivsid.diagnosis.selection.in_their_place import REPLACED, in_their_place, least_part
+from ivsid.diagnosis.selection.one_force import _Asked
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
 

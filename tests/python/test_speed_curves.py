@@ -16,7 +16,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.selection import speed_curves as speed_curves_module
 from ivsid.diagnosis.selection.force_rules import BETTER_CURVE, Curve
-from ivsid.diagnosis.selection.one_force import curve_in_their_place
+from ivsid.diagnosis.selection.in_their_place import curve_in_their_place
 from ivsid.diagnosis.selection.speed_curves import SPEEDS, speed_curves
 from ivsid.vehicle import parse_vehicle
 from test_one_force import CAUSES, FORCES, MODEL, gram_of, least

@@ -41,6 +41,7 @@ class Together:
         alone: fall of chi-squared by it.
         one: fall of chi-squared by the best column of the causes in the place of all.
         everywhere: whether the force has all the channels in which it would act.
+        logs: on which logs, in words, where it is not one.
     """
 
     ids: tuple[str, ...]
@@ -50,6 +51,7 @@ class Together:
     alone: float
     one: float = 0.0
     everywhere: bool = False
+    logs: str = ""
 
     @property
     def words(self) -> str:
@@ -80,7 +82,7 @@ ONE_FORCE: Final = Rule[Together](
     "definition: 0.3 % of normal errors lie beyond",
     lambda c: c.fall - PRICE * (c.numbers - 1) - c.alone,
     lambda _: MARGIN,
-    "{case.words} explain {case.fall:.0f} in chi² together, and one force, {case.force}, explains {case.alone:.0f} in their place: causes "
+    "{case.words} explain {case.fall:.0f} in chi² together{case.logs}, and one force, {case.force}, explains {case.alone:.0f} in their place: causes "
     "of their own would together explain {limit:.0f} more than it",
     lambda c: c.alone > c.one + max(MARGIN, BENT * c.one),
 )
@@ -93,7 +95,7 @@ ROUGH_FORCE: Final = Rule[Together](
     "measured: the examination; of a thruster that lost up to 30 % with the speed two causes explained 1509, and the square of the speed 1246",
     lambda c: c.fall / max(c.alone, 1e-300),
     lambda _: 1.0 / OUTLINED,
-    "{case.words} explain {case.fall:.0f} in chi² together, and one force in rough outline, {case.force}, explains {case.alone:.0f} in their place, where causes of "
+    "{case.words} explain {case.fall:.0f} in chi² together{case.logs}, and one force in rough outline, {case.force}, explains {case.alone:.0f} in their place, where causes of "
     "their own would explain {limit:.2g} times as much",
     lambda c: c.one < OUTLINED * c.alone,
 )
@@ -134,7 +136,7 @@ BETTER_FORCE: Final = Rule[Together](
     "definition: 0.3 % of normal errors lie beyond",
     lambda c: c.alone - (c.fall - PRICE * (c.numbers - 1)),
     lambda c: max(MARGIN, (CURVED if c.everywhere else MORE) * c.fall),
-    "one force, {case.force}, explains {case.alone:.0f} in chi² in its place, where it explains {case.fall:.0f}: by more than {limit:.0f} the force is one "
+    "one force, {case.force}, explains {case.alone:.0f} in chi² in its place{case.logs}, where it explains {case.fall:.0f}: by more than {limit:.0f} the force is one "
     "that the catalogue lacks",
     least=False,
 )

@@ -19,7 +19,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import combinations
-from typing import Final, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,11 +28,11 @@ from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import NOTHING_LEFT, Projection
 from ivsid.diagnosis.null.any_curve import AnyCurve
-from ivsid.diagnosis.null.gradual import GRADUAL, gradual_forces
+from ivsid.diagnosis.null.gradual import gradual_forces
 from ivsid.diagnosis.null.modulated import FALL
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.usual_hull import hull_limits
-from ivsid.diagnosis.selection.dictionary import FELT, WRONG, regressors
+from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.force_rules import (
     BETTER_CURVE,
     BETTER_FORCE,
@@ -44,27 +44,31 @@ from ivsid.diagnosis.selection.force_rules import (
     Together,
 )
 from ivsid.diagnosis.selection.hulls import BEYOND
+from ivsid.diagnosis.selection.in_their_place import (
+    REPLACED,
+    InPlace,
+    curve_in_their_place,
+    in_their_place,
+    least_part,
+)
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.speed_curves import speed_curves, words
 
 Array = NDArray[np.float64]
-# Largest share of what the least of some causes explains beside the others that they explain beside a force which stands in their place.
-# Source: definition: three quarters are the force's; of other parts of the errors it has nothing
-REPLACED: Final = 0.25
-# First words of forces and readings of one cause with all the channels in which it acts.
-EVERYWHERE: Final = (GRADUAL, FALL, WRONG, FELT)
 
 
-def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
+def imitating(fit: Fit, found: Sequence[Found], there: Fit | None = None) -> Mapping[str, Refusal]:
     """Refusals, by id, of causes that one force explains as well as they do together, or better than one of them.
 
     Args:
         fit: of the model with all causes.
         found: the causes.
+        there: the same model fitted to another log, where both logs are asked together; any function of a velocity is asked of one log alone.
     """
     causes = [f for f in found if f.first.candidate.sums]
     asked = _Asked.of(fit, causes)
-    if asked is None:
+    other = None if there is None or asked is None else _Asked.of(there, causes)
+    if asked is None or (there is not None and (other is None or other.own.keys() != asked.own.keys())):
         return {}
     rough = {f.id for f in causes if f.first.candidate.effect.form.rough}
     refused: dict[str, Refusal] = {}
@@ -73,9 +77,15 @@ def imitating(fit: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
         for ids in combinations(asked.own, count):
             if refused.keys() & set(ids) or (count > 1 and rough & set(ids)):
                 continue
-            refusal = asked.refusal(ids, [f.id for f in found if f.id not in ids])
+            beside = [f.id for f in found if f.id not in ids]
+            if other is None:
+                refusal = asked.refusal(ids, beside)
+            else:
+                refusal = by_one_force(asked.in_place(ids).beside(other.in_place(ids)), beside)
             if refusal is not None:
                 refused |= {i: refusal for i in ids if i not in refusal.beside}
+    if other is not None:
+        return refused
     return refused | asked.outlined(rough - refused.keys(), [i for i in asked.own if i not in rough | refused.keys()])
 
 
@@ -145,6 +155,26 @@ class _Asked:
         """Columns of a curve."""
         return [self.held.size + len(self.forces) + k for k in group]
 
+    def in_place(self, ids: Sequence[str]) -> InPlace:
+        """What causes explain, and each force in their place.
+
+        Args:
+            ids: of the causes.
+        """
+        p, at, held = self._without(ids)
+        first = self.held.size
+        fall, alone, kept = in_their_place(p, at, held, range(first, first + len(self.forces)))
+        own = dict(zip(at, in_their_place(p, at, held, at)[1].tolist(), strict=True))
+        usual = self._of_hulls(p, at, held)
+        return InPlace(
+            fall,
+            least_part(p, at, held, [self.own[i] for i in ids]),
+            {i: tuple(own[k] for k in self.own[i]) for i in ids},
+            dict(zip(self.forces, alone.tolist(), strict=True)),
+            dict(zip(self.forces, kept.tolist(), strict=True)),
+            frozenset(f for f, ok in zip(self.forces, usual, strict=True) if not ok),
+        )
+
     def refusal(self, ids: Sequence[str], others: Sequence[str]) -> Refusal | None:
         """The refusal of causes together, or of one, or None.
 
@@ -152,38 +182,18 @@ class _Asked:
             ids: of the causes.
             others: ids of all other causes.
         """
+        case = self.in_place(ids)
+        refusal = by_one_force(case, others)
         p, at, held = self._without(ids)
-        first = self.held.size
-        fall, alone, kept = in_their_place(p, at, held, range(first, first + len(self.forces)))
-        # A force beside which one of the causes explains what it did is another part of the errors.
-        most = REPLACED * least_part(p, at, held, [self.own[i] for i in ids])
-        alone = np.where((kept <= most) & self._of_hulls(p, at, held), alone, 0.0)
-        best = int(np.argmax(alone))
-        one = in_their_place(p, at, held, at)[1]
-        case = Together(
-            tuple(ids),
-            fall,
-            len(at),
-            self.forces[best],
-            float(alone[best]),
-            float(one.max()),
-            self.forces[best].startswith(EVERYWHERE),
-        )
-        if len(ids) > 1:
-            refusal = ONE_FORCE.refuses(case, [*others, *self._own(case, p, at, held)])
-        else:
-            refusal = BETTER_FORCE.refuses(case, others)
-        if refusal is None and len(ids) > 1:
-            refusal = self._rough(case, p, at, held, others)
         for group in self.groups:
             # Any function of a velocity explains more beside soft errors than a cause whose evidence is that they have to keep their bounds.
             if refusal is not None or self.boxed >= set(ids):
                 break
             shape, left, directions = curve_in_their_place(p, at, held, self._curve(group))
-            if left <= most:
+            if left <= REPLACED * case.least:
                 whole, _, _ = in_their_place(*self._without({*ids, *self.spanned(group)}), self._curve(group)[:1])
                 curve = Curve(
-                    tuple(ids), fall, len(at), words(self.curves, group), shape, directions=directions, whole=whole
+                    tuple(ids), case.fall, len(at), words(self.curves, group), shape, directions=directions, whole=whole
                 )
                 refusal = BETTER_CURVE.refuses(curve, others)
                 if refusal is not None and self.free is not None:
@@ -191,42 +201,6 @@ class _Asked:
                     beside = self._beside_thrusts(curve, self.free(), at, held, group)
                     refusal = BETTER_CURVE.refuses(beside, others)
         return refusal
-
-    def _own(self, case: Together, p: Projection, at: Sequence[int], held: Array) -> list[str]:
-        """The cause of several whose own force the one in their place may be, as it might be a single cause's.
-
-        Args:
-            case: the causes.
-            p: least squares on the model without them.
-            at: their columns.
-            held: their coefficients that the errors no longer hold, in unit lengths.
-        """
-        single = [i for i in case.ids if len(self.own[i]) == 1]
-        if not single:
-            return []
-        falls = in_their_place(p, at, held, [self.own[i][0] for i in single])[1]
-        best = int(np.argmax(falls))
-        alone = replace(case, ids=(single[best],), fall=float(falls[best]), numbers=1)
-        return [] if BETTER_FORCE.refuses(alone) else [single[best]]
-
-    def _rough(
-        self, case: Together, p: Projection, at: Sequence[int], held: Array, others: Sequence[str]
-    ) -> Refusal | None:
-        """The refusal of several causes by a force that is known in rough outline, or None.
-
-        Args:
-            case: the causes.
-            p: least squares on the model without them.
-            at: their columns.
-            held: their coefficients that the errors no longer hold, in unit lengths.
-            others: ids of all other causes.
-        """
-        known = [k for k, name in enumerate(self.forces) if name.startswith(FALL)]
-        if not known:
-            return None
-        alone = in_their_place(p, at, held, [self.held.size + k for k in known])[1]
-        best = int(np.argmax(alone))
-        return ROUGH_FORCE.refuses(replace(case, force=self.forces[known[best]], alone=float(alone[best])), others)
 
     def _beside_thrusts(self, curve: Curve, g: Gram, at: Sequence[int], held: Array, group: range) -> Curve:
         """A function of a velocity in the place of causes, beside any thrust curve.
@@ -298,81 +272,37 @@ class _Asked:
         return refused
 
 
-def curve_in_their_place(
-    p: Projection, columns: Sequence[int], held: Array, curve: Sequence[int]
-) -> tuple[float, float, int]:
-    """Fall of chi-squared by a curve of several columns in the place of causes, by the causes beside it, and its directions.
+def by_one_force(case: InPlace, others: Sequence[str]) -> Refusal | None:
+    """The refusal of causes together, or of one, by a force in their place, or None.
 
     Args:
-        p: least squares on all that is neither.
-        columns: of the causes.
-        held: their coefficients that the errors no longer hold, in unit lengths, shape (columns,).
-        curve: columns of the curve.
+        case: what they explain.
+        others: ids of all other causes.
     """
-    columns, curve = list(columns), list(curve)
-    H, G, between = p.information(columns), p.information(curve), p.left(curve, columns)
-    mine, own = p.left_score[columns] + H @ held, p.left_score[curve] + between @ held
-    values, vectors = np.linalg.eigh(G)
-    kept = values > NOTHING_LEFT * max(float(values.max()), 1e-300)
-    inverse = (vectors[:, kept] / values[kept]) @ vectors[:, kept].T
-    beside = _fall(
-        H - between.T @ inverse @ between, mine - between.T @ (inverse @ own), float(np.linalg.eigvalsh(H).max())
-    )
-    return float(own @ inverse @ own), beside, int(kept.sum())
+    best = case.best
+    if len(case.own) == 1:
+        return BETTER_FORCE.refuses(best, others)
+    refusal = ONE_FORCE.refuses(best, [*others, *_own(case, best)])
+    known = {f: x for f, x in case.alone.items() if f.startswith(FALL)}
+    if refusal is None and known:
+        outline = max(known, key=known.__getitem__)
+        refusal = ROUGH_FORCE.refuses(case.by(outline, known[outline]), others)
+    return refusal
 
 
-def in_their_place(
-    p: Projection, columns: Sequence[int], held: Array, forces: Sequence[int]
-) -> tuple[float, Array, Array]:
-    """Fall of chi-squared by some columns together, by each force in their place, and by them beside each force, shape (forces,).
+def _own(case: InPlace, best: Together) -> list[str]:
+    """The cause of several whose own force the one in their place may be, as it might be a single cause's.
 
     Args:
-        p: least squares on all that is neither.
-        columns: of the causes.
-        held: their coefficients that the errors no longer hold, in unit lengths, shape (columns,).
-        forces: columns of which one at a time replaces the causes.
+        case: what they explain.
+        best: the force.
     """
-    columns, forces = list(columns), list(forces)
-    # What the hypothesis has taken out of the errors goes back into the scores.
-    H = p.information(columns)
-    score = p.left_score[columns] + p.left(columns, columns) @ held
-    largest = float(np.linalg.eigvalsh(H).max())
-    fall = _fall(H, score, largest)
-    own = np.array([p.left([k], [k])[0, 0] for k in forces]) + p.g.prior[forces]
-    real = own > NOTHING_LEFT * np.maximum(np.diag(p.total)[forces], 1e-300)
-    between = p.left(forces, columns)
-    alone = p.left_score[forces] + between @ held
-    inverse = np.where(real, 1.0 / np.where(real, own, 1.0), 0.0)
-    # Both together, less the force alone.
-    beside = H[None] - inverse[:, None, None] * between[:, :, None] * between[:, None, :]
-    scores = score[None] - (inverse * alone)[:, None] * between
-    kept = np.array([_fall(x, y, largest) for x, y in zip(beside, scores, strict=True)])
-    return fall, inverse * alone**2, kept
-
-
-def least_part(p: Projection, columns: Sequence[int], held: Array, parts: Sequence[Sequence[int]]) -> float:
-    """Least fall of chi-squared that one of several causes brings beside the others of them.
-
-    Args:
-        p: least squares on all that is none of them.
-        columns: of the causes.
-        held: their coefficients that the errors no longer hold, in unit lengths, shape (columns,).
-        parts: columns of each cause.
-    """
-    columns = list(columns)
-    H = p.information(columns)
-    score = p.left_score[columns] + p.left(columns, columns) @ held
-    largest = float(np.linalg.eigvalsh(H).max())
-    others = [[i for i, k in enumerate(columns) if k not in part] for part in parts]
-    most = max((_fall(H[np.ix_(at, at)], score[at], largest) for at in others if at), default=0.0)
-    return _fall(H, score, largest) - most
-
-
-def _fall(H: Array, score: Array, largest: float) -> float:
-    """Fall of chi-squared by columns with the information ``H``, along what is determined beside the largest eigenvalue of all."""
-    values, vectors = np.linalg.eigh(H)
-    kept = values > NOTHING_LEFT * max(largest, 1e-300)
-    return float((((vectors[:, kept].T @ score) ** 2) / values[kept]).sum())
+    single = {i: own[0] for i, own in case.own.items() if len(own) == 1}
+    if not single:
+        return []
+    one = max(single, key=single.__getitem__)
+    alone = replace(best, ids=(one,), fall=single[one], numbers=1)
+    return [] if BETTER_FORCE.refuses(alone) else [one]
 
 
 def _numbers(fit: Fit) -> dict[str, float]:

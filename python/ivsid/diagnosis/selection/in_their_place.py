@@ -1,0 +1,155 @@
+"""Falls of chi-squared by columns in the place of causes, on one log and on two.
+
+Source: docs/theory.md, "Diagnosis".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.estimation.projection import NOTHING_LEFT, Projection
+from ivsid.diagnosis.null.gradual import GRADUAL
+from ivsid.diagnosis.null.modulated import FALL
+from ivsid.diagnosis.selection.dictionary import FELT, WRONG
+from ivsid.diagnosis.selection.force_rules import Together
+
+Array = NDArray[np.float64]
+# Largest share of what the least of some causes explains beside the others that they explain beside a force which stands in their place.
+# Source: definition: three quarters are the force's; of other parts of the errors it has nothing
+REPLACED: Final = 0.25
+# First words of forces and readings of one cause with all the channels in which it acts.
+EVERYWHERE: Final = (GRADUAL, FALL, WRONG, FELT)
+
+
+@dataclass(frozen=True)
+class InPlace:
+    """What some causes explain, and what each force does in their place.
+
+    Attributes:
+        fall: of chi-squared by the causes together.
+        least: part of it that one of them brings beside the others, the least one.
+        own: falls by each column of a cause in the place of all, by its id.
+        alone: falls by each force, by its name.
+        kept: falls by the causes together beside each force.
+        odd: forces beside which a number of the model is none of a hull.
+        logs: in words, where it is not one.
+    """
+
+    fall: float
+    least: float
+    own: Mapping[str, tuple[float, ...]]
+    alone: Mapping[str, float]
+    kept: Mapping[str, float]
+    odd: frozenset[str]
+    logs: str = ""
+
+    def beside(self, other: Self) -> InPlace:
+        """The same on two logs together, each with numbers of its own; of forces that both have."""
+        known = self.alone.keys() & other.alone.keys()
+        return InPlace(
+            self.fall + other.fall,
+            self.least + other.least,
+            {i: tuple(a + b for a, b in zip(x, other.own[i], strict=True)) for i, x in self.own.items()},
+            {f: x + other.alone[f] for f, x in self.alone.items() if f in known},
+            {f: x + other.kept[f] for f, x in self.kept.items() if f in known},
+            self.odd | other.odd,
+            " on both logs together",
+        )
+
+    @property
+    def best(self) -> Together:
+        """The causes with the force that explains most in their place."""
+        # A force beside which one of the causes explains what it did is another part of the errors.
+        most = REPLACED * self.least
+        stand = {f: x for f, x in self.alone.items() if self.kept[f] <= most and f not in self.odd}
+        force = max(stand, key=stand.__getitem__, default="no force")
+        return self.by(force, stand.get(force, 0.0))
+
+    def by(self, force: str, alone: float) -> Together:
+        """The causes with a force in their place, and what that explains."""
+        falls = [x for own in self.own.values() for x in own]
+        return Together(
+            tuple(self.own), self.fall, len(falls), force, alone, max(falls), force.startswith(EVERYWHERE), self.logs
+        )
+
+
+def curve_in_their_place(
+    p: Projection, columns: Sequence[int], held: Array, curve: Sequence[int]
+) -> tuple[float, float, int]:
+    """Fall of chi-squared by a curve of several columns in the place of causes, by the causes beside it, and its directions.
+
+    Args:
+        p: least squares on all that is neither.
+        columns: of the causes.
+        held: their coefficients that the errors no longer hold, in unit lengths, shape (columns,).
+        curve: columns of the curve.
+    """
+    columns, curve = list(columns), list(curve)
+    H, G, between = p.information(columns), p.information(curve), p.left(curve, columns)
+    mine, own = p.left_score[columns] + H @ held, p.left_score[curve] + between @ held
+    values, vectors = np.linalg.eigh(G)
+    kept = values > NOTHING_LEFT * max(float(values.max()), 1e-300)
+    inverse = (vectors[:, kept] / values[kept]) @ vectors[:, kept].T
+    beside = _fall(
+        H - between.T @ inverse @ between, mine - between.T @ (inverse @ own), float(np.linalg.eigvalsh(H).max())
+    )
+    return float(own @ inverse @ own), beside, int(kept.sum())
+
+
+def in_their_place(
+    p: Projection, columns: Sequence[int], held: Array, forces: Sequence[int]
+) -> tuple[float, Array, Array]:
+    """Fall of chi-squared by some columns together, by each force in their place, and by them beside each force, shape (forces,).
+
+    Args:
+        p: least squares on all that is neither.
+        columns: of the causes.
+        held: their coefficients that the errors no longer hold, in unit lengths, shape (columns,).
+        forces: columns of which one at a time replaces the causes.
+    """
+    columns, forces = list(columns), list(forces)
+    # What the hypothesis has taken out of the errors goes back into the scores.
+    H = p.information(columns)
+    score = p.left_score[columns] + p.left(columns, columns) @ held
+    largest = float(np.linalg.eigvalsh(H).max())
+    fall = _fall(H, score, largest)
+    own = np.array([p.left([k], [k])[0, 0] for k in forces]) + p.g.prior[forces]
+    real = own > NOTHING_LEFT * np.maximum(np.diag(p.total)[forces], 1e-300)
+    between = p.left(forces, columns)
+    alone = p.left_score[forces] + between @ held
+    inverse = np.where(real, 1.0 / np.where(real, own, 1.0), 0.0)
+    # Both together, less the force alone.
+    beside = H[None] - inverse[:, None, None] * between[:, :, None] * between[:, None, :]
+    scores = score[None] - (inverse * alone)[:, None] * between
+    kept = np.array([_fall(x, y, largest) for x, y in zip(beside, scores, strict=True)])
+    return fall, inverse * alone**2, kept
+
+
+def least_part(p: Projection, columns: Sequence[int], held: Array, parts: Sequence[Sequence[int]]) -> float:
+    """Least fall of chi-squared that one of several causes brings beside the others of them.
+
+    Args:
+        p: least squares on all that is none of them.
+        columns: of the causes.
+        held: their coefficients that the errors no longer hold, in unit lengths, shape (columns,).
+        parts: columns of each cause.
+    """
+    columns = list(columns)
+    H = p.information(columns)
+    score = p.left_score[columns] + p.left(columns, columns) @ held
+    largest = float(np.linalg.eigvalsh(H).max())
+    others = [[i for i, k in enumerate(columns) if k not in part] for part in parts]
+    most = max((_fall(H[np.ix_(at, at)], score[at], largest) for at in others if at), default=0.0)
+    return _fall(H, score, largest) - most
+
+
+def _fall(H: Array, score: Array, largest: float) -> float:
+    """Fall of chi-squared by columns with the information ``H``, along what is determined beside the largest eigenvalue of all."""
+    values, vectors = np.linalg.eigh(H)
+    kept = values > NOTHING_LEFT * max(largest, 1e-300)
+    return float((((vectors[:, kept].T @ score) ** 2) / values[kept]).sum())

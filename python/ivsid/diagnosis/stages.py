@@ -34,7 +34,7 @@ from ivsid.diagnosis.selection.confirmation import (
 from ivsid.diagnosis.selection.parallel import one_blas_thread
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.rules import full_refused
-from ivsid.diagnosis.selection.select import Selection, in_place, select
+from ivsid.diagnosis.selection.select import Selection, in_place, on_both_logs, select
 from ivsid.diagnosis.selection.verdict import Left
 from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.claims import claims
@@ -102,7 +102,7 @@ def diagnose(
     scored, looks = score(fit), Looks(seed, null_logs, cache, progress)
     test_of = Threshold(calibrating.result(), visible)
     progress("looking for causes")
-    selection = _named(fit, scored, test_of, progress)
+    selection = _named(fit, scored, test_of, other, progress)
     passed = _undecided(selection, judging)
     # A sufficient model is asked for its motion only where causes are named, and null logs leave time for it meanwhile.
     moving = Apart(
@@ -113,7 +113,7 @@ def diagnose(
     confirmation = confirmed(fit, test_of, passed, looks, selection.last)
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
         progress("looking again, at the threshold of the null logs")
-        selection = _named(fit, scored, confirmation.test, progress)
+        selection = _named(fit, scored, confirmation.test, other, progress)
     # Most findings stand, so their model is tried while they are examined, and the other log is asked of its water.
     trial = Trial(other, selection, seed, tried, nothing)
     shoaling = Apart(partial(change, selection.last, other, sounded(train, test)))
@@ -239,15 +239,16 @@ def _asked_of(
     return (*tasks, Apart(partial(detection_limits, fit), late=True))
 
 
-def _named(fit: Fit, scored: tuple[Fit, list[Scored]], test: Threshold, progress: Callable[[str], None]) -> Selection:
-    """The causes; one whose numbers may all be none, and that others came close to, makes place for them and stands beside."""
+def _named(
+    fit: Fit, scored: tuple[Fit, list[Scored]], test: Threshold, other: Channels, progress: Callable[[str], None]
+) -> Selection:
+    """The causes that one log shows and both do not refuse; one whose numbers may all be none, and that others came close to, makes place for them and stands beside."""
     selection = select(fit, scored, test, progress)
-    barred = nameless(selection)
-    if not barred:
-        return selection
-    progress("looking again, without causes whose numbers may all be none")
-    other = select(fit, scored, replace(test, barred=barred), progress)
-    return in_place(selection, other, frozenset(barred))
+    if barred := nameless(selection):
+        progress("looking again, without causes whose numbers may all be none")
+        again = select(fit, scored, replace(test, barred=barred), progress)
+        selection = in_place(selection, again, frozenset(barred))
+    return on_both_logs(selection, other, test.level)
 
 
 def _rest(selection: Selection, before: Adequacy) -> Left:

@@ -6,16 +6,21 @@ Source: docs/theory.md, "Diagnosis"; forward selection with backward elimination
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final
 
+import numpy as np
+
 from ivsid.diagnosis.candidates.families import score
 from ivsid.diagnosis.candidates.intervals import Reach
+from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.noise import Noise
+from ivsid.diagnosis.estimation.other_log import carried_to
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
@@ -153,23 +158,39 @@ def _with_curves(chosen: Selection, screened: Screened, level: float) -> Selecti
         screened: the last screening, which has made the curves of its fit.
         level: threshold of the log.
     """
-    alone = _without_one_force(chosen, level)
-    if not alone.found:
-        return alone
-    curve = screened.round.curve if alone is chosen else None
-    return replace(alone, curves=(curve or AnyCurve(alone.last)).reach())
+    said = {**imitating(chosen.last, chosen.found), **{f.id: f.slewed for f in chosen.found if f.slewed is not None}}
+    if said:
+        return without(chosen, said, level)
+    return replace(chosen, curves=(screened.round.curve or AnyCurve(chosen.last)).reach()) if chosen.found else chosen
 
 
-def _without_one_force(s: Selection, level: float) -> Selection:
+def on_both_logs(s: Selection, other: Channels, level: float) -> Selection:
+    """The selection without causes that one force explains as well on this log and another one together.
+
+    Args:
+        s: with them.
+        other: the other log, of another run of the same vehicle.
+        level: threshold of the log.
+    """
+    if not any(f.first.candidate.sums for f in s.found):
+        return s
+    # A log on which the numbers cannot be fitted says nothing of the causes.
+    with suppress(np.linalg.LinAlgError):
+        if (carried := carried_to(s.last, other)) is not None:
+            there = survey(*carried, s.last.fixed, frozenset())
+            if said := imitating(s.last, s.found, there):
+                return without(s, said, level)
+    return s
+
+
+def without(s: Selection, said: Mapping[str, Refusal], level: float) -> Selection:
     """The selection without causes that one force explains as well as they do together.
 
     Args:
         s: with them.
+        said: their refusals, by id.
         level: threshold of the log.
     """
-    said = {**imitating(s.last, s.found), **{f.id: f.slewed for f in s.found if f.slewed is not None}}
-    if not said:
-        return s
     h = s.last.h
     for id_ in said:
         h = h.without(id_, s.plain.h)
@@ -180,7 +201,9 @@ def _without_one_force(s: Selection, level: float) -> Selection:
     refused = {r.id: slow.get(f.id, said[f.id]) for f in s.found if f.id in said for r in f.rivals}
     found = tuple(f for f in s.found if f.id not in said)
     gone = tuple(f for f in s.found if f.id in said and f.id not in slow)
-    return replace(s, last=fit, found=found, leftover=tuple(scored), refused={**refused, **s.refused}, imitating=gone)
+    curves = AnyCurve(fit).reach() if found else {}
+    left = replace(s, last=fit, found=found, leftover=tuple(scored), refused={**refused, **s.refused}, curves=curves)
+    return replace(left, imitating=(*s.imitating, *gone))
 
 
 def _late_or_slewed(

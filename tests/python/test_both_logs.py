@@ -1,0 +1,134 @@
+"""Causes that one force explains on both logs together: falls against dense least squares, the rules, and a whole pair of logs."""
+
+import numpy as np
+import pytest
+from tests.exam.cases import case
+from tests.exam.seal import seal
+
+from ivsid import diagnose
+from ivsid.diagnosis.selection import select
+from ivsid.diagnosis.selection.in_their_place import InPlace
+from ivsid.diagnosis.selection.one_force import _Asked, by_one_force, imitating
+from ivsid.log import read_log
+from ivsid.vehicle import read_vehicle
+from test_one_force import CAUSES, FORCES, MODEL, gram_of, least
+
+NAMES = ("f", "g", "h")
+
+
+def asked(x, y, names=NAMES):
+    """Two causes with three forces."""
+    return _Asked({"a": [2], "b": [3]}, np.zeros(4), gram_of(x, y), names, (), (), {})
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_falls_on_both_logs_are_those_of_least_squares_with_numbers_of_each(seed):
+    rng = np.random.default_rng(seed)
+    logs = [(rng.normal(size=(n, 7)), rng.normal(size=n)) for n in (60, 90)]
+    # The second log knows two of the forces, in another order.
+    first, second = logs[0], (logs[1][0][:, [0, 1, 2, 3, 6, 4]], logs[1][1])
+    both = asked(*first).in_place(("a", "b")).beside(asked(*second, ("h", "f")).in_place(("a", "b")))
+
+    def fall(*at):
+        return sum(least(x, y, [*MODEL]) - least(x, y, [*MODEL, *at]) for x, y in logs)
+
+    assert both.fall == pytest.approx(fall(*CAUSES), rel=1e-5)
+    assert both.alone.keys() == {"f", "h"}
+    for name, k in (("f", FORCES[0]), ("h", FORCES[2])):
+        assert both.alone[name] == pytest.approx(fall(k), rel=1e-5, abs=1e-6)
+        assert both.kept[name] == pytest.approx(fall(k, *CAUSES) - fall(k), rel=1e-5, abs=1e-6)
+    assert both.own["a"][0] == pytest.approx(fall(CAUSES[0]), rel=1e-5, abs=1e-6)
+    least_of = sum(min(least(x, y, [*MODEL, k]) - least(x, y, [*MODEL, *CAUSES]) for k in CAUSES) for x, y in logs)
+    assert both.least == pytest.approx(least_of, rel=1e-5, abs=1e-6)
+
+
+def log_of(rng, truth, apart):
+    """A log on which a cause and a force differ by so much, and one of them acts: columns and errors."""
+    x = rng.normal(size=(400, 7))
+    x[:, 2] = x[:, 4] + apart * rng.normal(size=400)
+    return x, 3.0 * x[:, truth] + rng.normal(size=400)
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize(("truth", "apart", "refused"), [(4, 1.5, True), (2, 1.5, False), (4, 0.02, False)])
+def test_a_cause_that_one_log_leaves_is_refused_by_both(seed, truth, apart, refused):
+    """The first log does not tell the cause from the force, and the second does where its manoeuvres set them apart."""
+    rng = np.random.default_rng(seed)
+    here, there = asked(*log_of(rng, truth, 0.02)), asked(*log_of(rng, truth, apart))
+    assert here.refusal(("a",), ()) is None
+    found = by_one_force(here.in_place(("a",)).beside(there.in_place(("a",))), ["b"])
+    assert (found is not None) is refused
+    if found is not None:
+        assert found.rule == "better force" and "on both logs together" in found.sentence and found.beside == ("b",)
+
+
+def test_a_log_without_the_cause_leaves_it():
+    """A failure after the other run: that log holds nothing of it, and no force either."""
+    rng = np.random.default_rng(3)
+    x, y = log_of(rng, 2, 0.6)
+    quiet = asked(x, rng.normal(size=400)).in_place(("a",))
+    assert by_one_force(asked(x, y).in_place(("a",)).beside(quiet), []) is None
+
+
+def test_a_force_that_leaves_no_hull_on_one_log_stands_on_neither():
+    one = InPlace(50.0, 50.0, {"a": (50.0,)}, {"f": 90.0, "g": 60.0}, {"f": 0.0, "g": 0.0}, frozenset())
+    other = InPlace(50.0, 50.0, {"a": (50.0,)}, {"f": 90.0, "g": 60.0}, {"f": 0.0, "g": 0.0}, frozenset({"f"}))
+    assert one.best.force == one.beside(one).best.force == "f"
+    assert one.beside(other).best.force == "g"
+
+
+class Asks:
+    """A cause whose errors are sums of columns, or not, and a fit."""
+
+    def __init__(self, sums):
+        self.first = self.candidate = self
+        self.sums = sums
+
+
+@pytest.mark.parametrize(
+    ("sums", "carried", "left"), [(True, True, "less"), (False, True, "all"), (True, False, "all")]
+)
+def test_the_selection_is_asked_of_the_other_log(monkeypatch, sums, carried, left):
+    chosen = type("S", (), {"found": (Asks(sums),), "last": type("F", (), {"fixed": {}})()})()
+    monkeypatch.setattr(select, "carried_to", lambda *_: ("noise", "states") if carried else None)
+    monkeypatch.setattr(select, "survey", lambda noise, states, fixed, only: ("there", noise, states, only))
+    monkeypatch.setattr(
+        select, "imitating", lambda fit, found, there: {"a": "no"} if there[0] == "there" and not there[3] else {}
+    )
+    monkeypatch.setattr(select, "without", lambda s, said, level: ("less", said, level))
+    found = select.on_both_logs(chosen, "other", 0.01)
+    assert found == ("less", {"a": "no"}, 0.01) if left == "less" else found is chosen
+
+
+def test_a_log_that_determines_nothing_says_nothing(monkeypatch):
+    def fails(*_):
+        raise np.linalg.LinAlgError
+
+    chosen = type("S", (), {"found": (Asks(True),), "last": None})()
+    monkeypatch.setattr(select, "carried_to", fails)
+    assert select.on_both_logs(chosen, "other", 0.01) is chosen
+
+
+# Nightly: a whole diagnosis; the rules alone stand in the gate.
+@pytest.mark.nightly
+@pytest.mark.parametrize(("seed", "effect"), [(300373, "x.tunnel"), (300356, "x.gyro")])
+def test_a_force_that_the_other_log_shows_has_no_name(seed, effect, tmp_path):
+    """A tunnel loss of a thruster that pushes ahead was a loss by the inflow, and a gyro that feels accelerations a scale."""
+    drawn = case(seed, what="outside", sea="any", sensors="any")
+    assert list(drawn.z) == [effect]
+    folder = seal(drawn, tmp_path, tmp_path / "answers")
+    vehicle = read_vehicle(folder / "vehicle.toml")
+    train, test = (read_log(folder / f"{k}.csv", vehicle.log) for k in (1, 2))
+    assert [f.effect for f in diagnose(vehicle, train, test, null_logs=0).findings] == ["unknown"]
+
+
+def test_both_logs_are_asked_with_one_fit_of_the_other(monkeypatch):
+    """Asked with another log, the forces of both are: nothing is refused where that log lacks the cause's columns."""
+    made = []
+
+    def of(cls, fit, causes):
+        made.append(fit)
+        return asked(np.random.default_rng(0).normal(size=(50, 7)), np.zeros(50)) if fit == "here" else None
+
+    monkeypatch.setattr(_Asked, "of", classmethod(of))
+    assert imitating("here", (), "there") == {} and made == ["here", "there"]

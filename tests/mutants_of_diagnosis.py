@@ -163,9 +163,30 @@ DIAGNOSIS = (
     ),
     python(
         "causes asked of one log",
-        "diagnosis/selection/select.py",
+        "diagnosis/selection/both_logs.py",
         "return without(s, said, level)",
         "return s",
+        "test_both_logs.py",
+    ),
+    python(
+        "numbers of thrusters that follow the manoeuvre",
+        "diagnosis/selection/force_rules.py",
+        "SIGMAS: Final = 5.0",
+        "SIGMAS: Final = 5e9",
+        "test_both_logs.py",
+    ),
+    python(
+        "numbers that a curve inside its accuracy moves",
+        "diagnosis/selection/both_logs.py",
+        "(np.abs(beside.mean) - worst) / sigma",
+        "np.abs(beside.mean) / sigma",
+        "test_both_logs.py",
+    ),
+    python(
+        "numbers beside structure on the other log",
+        "diagnosis/selection/both_logs.py",
+        "if not adequacy(there).white:",
+        "if False:",
         "test_both_logs.py",
     ),
     python(

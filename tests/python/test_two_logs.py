@@ -19,10 +19,10 @@ from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.estimation.two_logs import Changes, changes, one_log
 from ivsid.diagnosis.statements import shallow_water
 from ivsid.diagnosis.statements.findings import WIDE, shallow
 from ivsid.diagnosis.statements.shallow_water import LEAST, Change, Factor, agree, change, sounded
-from ivsid.diagnosis.statements.two_logs import Changes, changes, one_log
 from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 

@@ -24,6 +24,7 @@ from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.null.thresholds import Calibration, calibrate
 from ivsid.diagnosis.null.visibility import Visibility, visibility
 from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
+from ivsid.diagnosis.selection.both_logs import on_both_logs
 from ivsid.diagnosis.selection.confirmation import (
     NULL_LOGS,
     StructureConfirmation,
@@ -34,7 +35,7 @@ from ivsid.diagnosis.selection.confirmation import (
 from ivsid.diagnosis.selection.parallel import one_blas_thread
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.rules import full_refused
-from ivsid.diagnosis.selection.select import Selection, in_place, on_both_logs, select
+from ivsid.diagnosis.selection.select import Selection, in_place, select
 from ivsid.diagnosis.selection.verdict import Left
 from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.claims import claims

@@ -10,7 +10,8 @@
 8. ``verdict``: what the structure that is left has to keep for a model to be adequate.
 9. ``confirmation``: findings and structure close to their threshold have to pass simulated null logs.
 10. ``parallel``: threads for rivals.
-11. ``one_force`` and ``speed_curves``: causes that imitate a force which the catalogue lacks.
+11. ``one_force`` and ``speed_curves``: causes that imitate a force which the catalogue lacks, ``in_their_place``.
+12. ``both_logs``: causes that the other log refuses.
 
 Scores are linear in a cause and find candidates. A full fit decides between them, because lags, delays and limits are not linear, and
 because the other parameters move with the cause. Causes whose merits cannot be told apart stay together as one finding. The chapter may

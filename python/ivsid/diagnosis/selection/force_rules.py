@@ -27,6 +27,9 @@ BENT: Final = 0.02
 # Share of what several causes explain that a force explains of which a rough outline is known, and of what that does, that one of them may explain.
 # Source: definition: four fifths; the rest is the outline's
 OUTLINED: Final = 0.8
+# Standard deviations by which numbers of two logs have to differ.
+# Source: definition: 6e-7 of normal errors lie beyond
+SIGMAS: Final = 5.0
 
 
 @dataclass(frozen=True)
@@ -206,4 +209,34 @@ SLEWED: Final = Rule[Slewed](
     "thrusts that change no faster than a limit explain {value:.0f} more in chi², and by more than {limit:.0f} they are no thrusts that lag",
     least=False,
 )
-FORCES: Final = (ONE_FORCE, ROUGH_FORCE, SLOW_FORCE, BETTER_FORCE, BETTER_CURVE, OUTLINE, SLEWED)
+
+
+@dataclass(frozen=True)
+class Changed:
+    """A cause whose number is another one on the other log.
+
+    Attributes:
+        id: of the cause.
+        ratio: its number there over that on this log.
+        z: standard deviations of the noise by which they differ beyond what errors inside their accuracies explain.
+    """
+
+    id: str
+    ratio: float
+    z: float
+
+
+SAME_NUMBER: Final = Rule[Changed](
+    "same number",
+    "standard deviations by which a thruster's number differs between the logs, beyond what thrust curves inside their accuracy and slow forces explain",
+    f"at most {SIGMAS:g}",
+    "Thrusters are the same in both logs, and so is what is wrong with them: a number that follows the manoeuvre is one of a force that the catalogue lacks. It is "
+    "asked where the model leaves nothing on the other log, and of no cause that starts at a time.",
+    "definition: 6e-7 of normal errors lie beyond",
+    lambda c: c.z,
+    lambda _: SIGMAS,
+    "on the other log its number is {case.ratio:.2g} times as large, {value:.1f} standard deviations beyond what errors inside their accuracies explain, and "
+    "{limit:g} is the limit: a cause of the thrusters is the same on both",
+    least=False,
+)
+FORCES: Final = (ONE_FORCE, ROUGH_FORCE, SLOW_FORCE, BETTER_FORCE, BETTER_CURVE, OUTLINE, SLEWED, SAME_NUMBER)

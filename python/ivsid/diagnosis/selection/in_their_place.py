@@ -12,6 +12,7 @@ from typing import Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import NOTHING_LEFT, Projection
 from ivsid.diagnosis.null.gradual import GRADUAL
 from ivsid.diagnosis.null.modulated import FALL
@@ -153,3 +154,17 @@ def _fall(H: Array, score: Array, largest: float) -> float:
     values, vectors = np.linalg.eigh(H)
     kept = values > NOTHING_LEFT * max(largest, 1e-300)
     return float((((vectors[:, kept].T @ score) ** 2) / values[kept]).sum())
+
+
+def held_numbers(fit: Fit) -> dict[str, float]:
+    """Numbers of a fit's hypothesis by column, from no effect on."""
+    numbers = {k: float(x) for k, x in fit.h.values.items()}
+    for given in fit.h.given:
+        beyond = tuple(float(x) - q.none for x, q in zip(given.values, given.effect.parameters, strict=True))
+        numbers |= dict(zip(given.parts, given.effect.form.held(beyond), strict=True))
+    return numbers
+
+
+def is_of(name: str, id_: str) -> bool:
+    """Whether a column is one of an effect's."""
+    return name == id_ or name.startswith(f"{id_}.")

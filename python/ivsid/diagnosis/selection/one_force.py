@@ -48,7 +48,9 @@ from ivsid.diagnosis.selection.in_their_place import (
     REPLACED,
     InPlace,
     curve_in_their_place,
+    held_numbers,
     in_their_place,
+    is_of,
     least_part,
 )
 from ivsid.diagnosis.selection.rivals import Found
@@ -118,9 +120,9 @@ class _Asked:
     @classmethod
     def of(cls, fit: Fit, causes: Sequence[Found]) -> Self | None:
         """The causes of a fit whose errors are sums of columns; None if there are none."""
-        numbers = _numbers(fit)
+        numbers = held_numbers(fit)
         names = [fit.gram.names[k] for k in fit.base]
-        own = {f.id: [i for i, n in enumerate(names) if n in numbers and _of(n, f.id)] for f in causes}
+        own = {f.id: [i for i, n in enumerate(names) if n in numbers and is_of(n, f.id)] for f in causes}
         own = {id_: at for id_, at in own.items() if at}
         if not own:
             return None
@@ -303,17 +305,3 @@ def _own(case: InPlace, best: Together) -> list[str]:
     one = max(single, key=single.__getitem__)
     alone = replace(best, ids=(one,), fall=single[one], numbers=1)
     return [] if BETTER_FORCE.refuses(alone) else [one]
-
-
-def _numbers(fit: Fit) -> dict[str, float]:
-    """Numbers of the hypothesis by column, from no effect on."""
-    numbers = {k: float(x) for k, x in fit.h.values.items()}
-    for given in fit.h.given:
-        beyond = tuple(float(x) - q.none for x, q in zip(given.values, given.effect.parameters, strict=True))
-        numbers |= dict(zip(given.parts, given.effect.form.held(beyond), strict=True))
-    return numbers
-
-
-def _of(name: str, id_: str) -> bool:
-    """Whether a column is one of an effect's."""
-    return name == id_ or name.startswith(f"{id_}.")

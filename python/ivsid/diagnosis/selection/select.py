@@ -6,21 +6,16 @@ Source: docs/theory.md, "Diagnosis"; forward selection with backward elimination
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final
 
-import numpy as np
-
 from ivsid.diagnosis.candidates.families import score
 from ivsid.diagnosis.candidates.intervals import Reach
-from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.noise import Noise
-from ivsid.diagnosis.estimation.other_log import carried_to
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.family_wise import Screened, Threshold
@@ -164,27 +159,8 @@ def _with_curves(chosen: Selection, screened: Screened, level: float) -> Selecti
     return replace(chosen, curves=(screened.round.curve or AnyCurve(chosen.last)).reach()) if chosen.found else chosen
 
 
-def on_both_logs(s: Selection, other: Channels, level: float) -> Selection:
-    """The selection without causes that one force explains as well on this log and another one together.
-
-    Args:
-        s: with them.
-        other: the other log, of another run of the same vehicle.
-        level: threshold of the log.
-    """
-    if not any(f.first.candidate.sums for f in s.found):
-        return s
-    # A log on which the numbers cannot be fitted says nothing of the causes.
-    with suppress(np.linalg.LinAlgError):
-        if (carried := carried_to(s.last, other)) is not None:
-            there = survey(*carried, s.last.fixed, frozenset())
-            if said := imitating(s.last, s.found, there):
-                return without(s, said, level)
-    return s
-
-
 def without(s: Selection, said: Mapping[str, Refusal], level: float) -> Selection:
-    """The selection without causes that one force explains as well as they do together.
+    """The selection without causes that imitate something which the catalogue lacks.
 
     Args:
         s: with them.

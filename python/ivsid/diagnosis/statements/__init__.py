@@ -11,7 +11,7 @@ About the causes:
 - ``not_tested``: effects that the log cannot test.
 - ``claims``: numbers that the vehicle file states, against the log.
 - ``upper_limits``: how large causes that are no findings may be.
-- ``shallow_water``: masses and drags that change by one factor between the two logs, by the joint estimate in ``two_logs``.
+- ``shallow_water``: masses and drags that change by one factor between the two logs, by the joint estimate of ``estimation.two_logs``.
 
 About the model:
 

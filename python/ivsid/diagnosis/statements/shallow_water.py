@@ -16,15 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ivsid.diagnosis.data.channels import Channels
-from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.learning import undetermined
 from ivsid.diagnosis.estimation.other_log import carried_to
 from ivsid.diagnosis.estimation.problem import Problem
-from ivsid.diagnosis.null.any_curve import AnyCurve
-from ivsid.diagnosis.null.slow_force import slow_force
+from ivsid.diagnosis.estimation.two_logs import Changes, changes, one_log
 from ivsid.diagnosis.selection.adequacy import adequacy
-from ivsid.diagnosis.statements.two_logs import Changes, changes, one_log
+from ivsid.diagnosis.selection.both_logs import beside_curves
 from ivsid.effects.environment import SHALLOW_SCALED
 from ivsid.log import Log
 
@@ -149,18 +147,7 @@ def change(last: Fit, test: Channels, water: int = 0) -> Change | None:
         if factor_of(found.of(count))[0].counts:
             # A curve may bend or jump between its knots: what is left has to stand beside any curve, the same in both logs.
             there = survey(noise, states, fixed)
-            over = [
-                np.r_[p, q]
-                for p, q in zip(
-                    last.noise.predictor.propulsion.demands, noise.predictor.propulsion.demands, strict=True
-                )
-            ]
-            one, other = AnyCurve(last, over), AnyCurve(there, over)
-            found = changes(
-                one_log(_beside_slow(one), one.projection.base, before, one.box),
-                one_log(_beside_slow(other), other.projection.base, after, other.box),
-                logs,
-            )
+            found = beside_curves(last, there, before, after, logs)
             # The other log may have further structure, which may move the parameters: it may turn where the first one hardly does.
             factor = common(found.of(count), members) if adequacy(there, turning=True).white else None
             if factor is not None and factor.mean * water < 0:
@@ -173,12 +160,6 @@ def change(last: Fit, test: Channels, water: int = 0) -> Change | None:
     sigma = np.sqrt(np.diag(found.covariance))
     ratio = {i: (float(np.exp(m)), float(s)) for i, m, s in zip(wanted, found.mean, sigma, strict=True)}
     return Change(ratio, factor, thrusts)
-
-
-def _beside_slow(curve: AnyCurve) -> Gram:
-    """Cross-products of a base beside slow forces inside the declared ambient force, of which each log has its own."""
-    slow = slow_force(curve.fit)
-    return curve.g if slow is None else slow.beside(curve.g)
 
 
 def factor_of(found: Changes) -> tuple[Factor, NDArray[np.float64]]:

@@ -1,0 +1,109 @@
+"""Causes asked of the other log: whether one force stands in their place on both, and whether a thruster's number is the same.
+
+The model with every cause is fitted to the other log under the noise of the first. Two runs of one vehicle have independent noise, so that
+falls of chi-squared add; and what belongs to its thrusters is the same in both.
+
+Source: docs/theory.md, "Both logs"; Chow, "Tests of equality between sets of coefficients in two linear regressions", Econometrica 28, 1960.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.estimation.fit import Fit, survey
+from ivsid.diagnosis.estimation.other_log import carried_to
+from ivsid.diagnosis.estimation.two_logs import Changes, changes, one_log
+from ivsid.diagnosis.null.any_curve import AnyCurve
+from ivsid.diagnosis.null.rule import Refusal
+from ivsid.diagnosis.null.slow_force import slow_force
+from ivsid.diagnosis.selection.adequacy import adequacy
+from ivsid.diagnosis.selection.force_rules import SAME_NUMBER, SIGMAS, Changed
+from ivsid.diagnosis.selection.in_their_place import held_numbers, is_of
+from ivsid.diagnosis.selection.one_force import imitating
+from ivsid.diagnosis.selection.rivals import Found
+from ivsid.diagnosis.selection.select import Selection, without
+
+Array = NDArray[np.float64]
+
+
+def on_both_logs(s: Selection, other: Channels, level: float) -> Selection:
+    """The selection without causes that both logs together refuse.
+
+    Args:
+        s: with them.
+        other: the other log, of another run of the same vehicle.
+        level: threshold of the log.
+    """
+    if not any(f.first.candidate.sums or _of_thrusters(f) for f in s.found):
+        return s
+    # A log on which the numbers cannot be fitted says nothing of the causes.
+    with suppress(np.linalg.LinAlgError):
+        if (carried := carried_to(s.last, other)) is not None:
+            there = survey(*carried, s.last.fixed, frozenset())
+            if said := {**changed(s.last, there, s.found), **imitating(s.last, s.found, there)}:
+                return without(s, said, level)
+    return s
+
+
+def changed(here: Fit, there: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:
+    """Refusals, by id, of causes of thrusters whose number is another one on the other log.
+
+    Args:
+        here: fit of the model with all causes.
+        there: the same model fitted to the other log.
+        found: the causes.
+    """
+    before, after = held_numbers(here), held_numbers(there)
+    fitted = {fit.gram.names[k] for fit in (here, there) for k in fit.base} & before.keys()
+    own = {n: f.id for f in found if _of_thrusters(f) for n in fitted if is_of(n, f.id) and before[n] != 0}
+    values = {n: before[n] for n in own}
+    if not own:
+        return {}
+    ratio = np.array([after[n] / x - 1.0 for n, x in values.items()])
+    both = changes(one_log(here.gram, here.base, values), one_log(there.gram, there.base, values), ratio)
+    if (np.abs(both.mean) <= SIGMAS * np.sqrt(np.diag(both.covariance))).all():
+        return {}
+    # Curves may bend or jump between the knots of a fit; and what the model lacks there may move its numbers.
+    if not adequacy(there).white:
+        return {}
+    beside = beside_curves(here, there, values, values, ratio)
+    sigma = np.sqrt(np.diag(beside.noise))
+    worst = [beside.worst(e) for e in np.eye(len(own))]
+    z = (np.abs(beside.mean) - worst) / sigma
+    cases = {i: Changed(i, 1.0 + float(m), float(x)) for i, m, x in zip(own.values(), beside.mean, z, strict=True)}
+    others = {i: [f.id for f in found if f.id != i] for i in cases}
+    said = {i: SAME_NUMBER.refuses(case, others[i]) for i, case in cases.items()}
+    return {i: r for i, r in said.items() if r is not None}
+
+
+def _of_thrusters(one: Found) -> bool:
+    """Whether a cause is a thruster's, in whatever run: a failure has its time, and water, loads and sensors are others on another day."""
+    acts = one.first.candidate.effect.acts
+    return acts.at_thruster and not acts.in_time
+
+
+def beside_curves(
+    here: Fit, there: Fit, before: Mapping[str, float], after: Mapping[str, float], ratio: Array
+) -> Changes:
+    """Changes of numbers beside any thrust curve, the same on both logs, and slow forces, of which each log has its own.
+
+    Args:
+        here: fit of a log.
+        there: of the other.
+        before: by which the numbers of the first are scaled, by column.
+        after: by which those of the other are.
+        ratio: how the numbers changed, shape (numbers,).
+    """
+    demands = [fit.noise.predictor.propulsion.demands for fit in (here, there)]
+    over = [np.r_[p, q] for p, q in zip(*demands, strict=True)]
+    logs = []
+    for fit, values in ((here, before), (there, after)):
+        curve, slow = AnyCurve(fit, over), slow_force(fit)
+        g = curve.g if slow is None else slow.beside(curve.g)
+        logs.append(one_log(g, curve.projection.base, values, curve.box))
+    return changes(logs[0], logs[1], ratio)

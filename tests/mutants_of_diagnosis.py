@@ -190,6 +190,27 @@ DIAGNOSIS = (
         "test_both_logs.py",
     ),
     python(
+        "structure of both logs with any sign",
+        "diagnosis/selection/shared_structure.py",
+        "if n in second and x * second[n] > 0]",
+        "if n in second]",
+        "test_shared_structure.py",
+    ),
+    python(
+        "structure of both logs over one regressor",
+        "diagnosis/selection/shared_structure.py",
+        "chdtrc(2, falls[best]) * len(first)",
+        "chdtrc(1, falls[best])",
+        "test_shared_structure.py",
+    ),
+    python(
+        "structure of both logs that one log takes",
+        "diagnosis/selection/shared_structure.py",
+        "        if best is None:\n            break\n",
+        "        break\n",
+        "test_shared_structure.py",
+    ),
+    python(
         "forces of one log",
         "diagnosis/selection/in_their_place.py",
         "{f: x + other.alone[f] for",

@@ -36,6 +36,7 @@ from ivsid.diagnosis.selection.parallel import one_blas_thread
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.rules import full_refused
 from ivsid.diagnosis.selection.select import Selection, in_place, select
+from ivsid.diagnosis.selection.shared_structure import with_shared
 from ivsid.diagnosis.selection.verdict import Left
 from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.claims import claims
@@ -308,6 +309,7 @@ def _judged(
         with suppress(IvsidError):
             there = adequacy(plain_fit(fit.noise.predictor.vehicle, other, everything))
             before = before.with_thrusts_of(there, test.name)
+    before = with_shared(before, fit, other, test.name)
     return before, None if before.quiet else motion_of(proof, train, test)
 
 

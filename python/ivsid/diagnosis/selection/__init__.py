@@ -11,7 +11,7 @@
 9. ``confirmation``: findings and structure close to their threshold have to pass simulated null logs.
 10. ``parallel``: threads for rivals.
 11. ``one_force`` and ``speed_curves``: causes that imitate a force which the catalogue lacks, ``in_their_place``.
-12. ``both_logs``: causes that the other log refuses.
+12. ``both_logs``: causes that the other log refuses; ``shared_structure``: structure that both logs show, by how regressors are ``standing`` out of each.
 
 Scores are linear in a cause and find candidates. A full fit decides between them, because lags, delays and limits are not linear, and
 because the other parameters move with the cause. Causes whose merits cannot be told apart stay together as one finding. The chapter may

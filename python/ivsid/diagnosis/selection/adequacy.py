@@ -18,7 +18,7 @@ from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import beyond
 from ivsid.diagnosis.null.beyond_curves import rougher_beyond
 from ivsid.diagnosis.null.boxed import Leaving, outside
-from ivsid.diagnosis.null.frequencies import Scatter, Spectrum, as_rare, excess, spectrum
+from ivsid.diagnosis.null.frequencies import Scatter, Spectrum, excess, spectrum
 from ivsid.diagnosis.null.leaving import FAR, Others, misread_of, thrusts
 from ivsid.diagnosis.null.own_past import FORETOLD
 from ivsid.diagnosis.null.rhythm import Rhythm, rhythm
@@ -26,15 +26,13 @@ from ivsid.diagnosis.null.slow_force import SlowForce
 from ivsid.diagnosis.plant.usual_hull import hull_length
 from ivsid.diagnosis.selection.dictionary import MEMORY, regressors
 from ivsid.diagnosis.selection.hulls import Asked, asked_of_hulls
+from ivsid.diagnosis.selection.standing import Standing
 from ivsid.effects import CHANNELS
 
 Array = NDArray[np.float64]
 # Probability with which a true model is called insufficient by its regressors, and by its thrust errors, where no null logs are asked.
 # Source: definition: a tenth of the 1 % of logs without an effect that may give a finding
 RISK: Final = 1e-3
-# Information of a regressor in unit length below which the model explains it.
-# Source: measured: make constants
-EXPLAINED: Final = 1e-6
 # Probability of the best single fall, over the whole dictionary, from which on no second statistic is asked.
 # Source: measured: the examination; the least of 712 logs with nothing hidden was 2e-4, and the tail of the falls is that of theory
 ALONE: Final = 1e-5
@@ -86,6 +84,7 @@ class Adequacy:
         rhythm: the force that repeats with the way through the water which stands out most.
         risk: probability below which structure is more than chance.
         alone: whether the best single fall is so rare that no second statistic is asked.
+        shared: name of the other log, where the strongest regressor stands out of both logs together, by that fall; empty where it does not.
         leans: whether past errors or slow forces inside the declared ones had to take structure for no more than chance to be left, so that they may
             have moved the numbers as well.
     """
@@ -111,6 +110,7 @@ class Adequacy:
     rhythm: Rhythm = field(default_factory=Rhythm)
     risk: float = RISK
     alone: bool = False
+    shared: str = ""
     leans: bool = False
 
     @property
@@ -355,19 +355,8 @@ def _structure(
         most: what declared errors move sums by at most, from what a unit of each moves them by.
         more: how the scores scatter beyond what they do in white noise.
     """
-    columns = list(at)
-    H = p.information(columns)
-    real = np.diag(H) > EXPLAINED
-    if more is not None:
-        H = H + more.more
-    d = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    scores = np.where(real, p.left_score[columns] / d, 0.0)
-    # How far each error inside the box moves the score of each regressor, and of a sum of them.
-    moved = p.held_back(columns) / d
-    worst = most(moved)
-    single = np.array([beyond(float(s * s), float(abs(s) * w)) for s, w in zip(scores, worst, strict=True)])
-    if more is not None:
-        single = as_rare(single, 1, more.freedom)
+    q = Standing.of(p, at, most, more)
+    real, H, d, scores, moved, single = q.real, q.information, q.length, q.scores, q.moved, q.falls
 
     def gained(which: NDArray[np.bool_]) -> tuple[float, int]:
         values, vectors = np.linalg.eigh(H[np.ix_(which, which)] / np.outer(d[which], d[which]))

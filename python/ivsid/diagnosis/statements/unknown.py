@@ -154,7 +154,7 @@ def unknown(
     likely = ", ".join(f"{name} in {channel} ({np.sqrt(fall):.0f} sigma)" for name, channel, fall in left.strongest)
     channel = left.strongest[0][1]
     text = (
-        f"the errors that the model leaves still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
+        f"the errors that the model leaves{f' on this log and on {left.shared} together' if left.shared else ''} still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
         f"left), strongest with {likely}; no cause of the catalogue that this log tests explains it{_read(left.strongest[0][0])}"
     )
     z = float(np.sqrt(left.strongest[0][2]))

@@ -1,0 +1,111 @@
+"""Structure that both logs show: a regressor of the dictionary that is no more than chance on either alone.
+
+A model without causes that leaves only chance on TRAIN is fitted to TEST under the noise of TRAIN. Falls by one regressor on two runs add, with
+one number of each. It has to stand out of either log with the same sign, and of both together far enough beside what may take it on one:
+any thrust curve inside its accuracy, noise of another spectrum than the whitening knows, past errors, and slow forces inside the declared one.
+
+Source: docs/theory.md, "Structure on both logs"; Fisher, *Statistical Methods for Research Workers*, 1932, section 21.1 (tests of independent data together).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from itertools import zip_longest
+from typing import Final
+
+import numpy as np
+from scipy.special import chdtrc
+
+from ivsid.diagnosis.data.channels import Channels
+from ivsid.diagnosis.estimation.fit import Fit, survey
+from ivsid.diagnosis.estimation.other_log import carried_to
+from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.null.frequencies import excess, spectrum
+from ivsid.diagnosis.null.leaving import Others
+from ivsid.diagnosis.selection.adequacy import ALONE, Adequacy
+from ivsid.diagnosis.selection.dictionary import regressors
+from ivsid.diagnosis.selection.standing import Standing
+
+# Probability of the best single fall on TRAIN, over the whole dictionary, from which on the other log is asked.
+# Source: resource: 13 of 191 sound logs are asked, which takes some seconds; of 18 whose chance was below 0.02 no regressor stood out of both
+DOUBTED: Final = 2e-3
+# Least fall of chi-squared on either log.
+# Source: definition: 0.3 % of normal errors lie beyond three standard deviations
+EACH: Final = 9.0
+
+
+def with_shared(before: Adequacy, fit: Fit, other: Channels, name: str) -> Adequacy:
+    """The adequacy of a model that one log leaves, with the structure that both logs show, if they do.
+
+    Args:
+        before: of the model fitted to the first log.
+        fit: that fit.
+        other: the other log.
+        name: of the other log.
+    """
+    if not before.quiet or before.chance_of_one > DOUBTED:
+        return before
+    # A log on which the numbers cannot be fitted says nothing of the structure.
+    with suppress(np.linalg.LinAlgError):
+        if (carried := carried_to(fit, other)) is not None:
+            found = _lasting(fit, survey(*carried, fit.fixed, frozenset()))
+            if found is not None:
+                regressor, fall, chance = found
+                channel, function = regressor.split("|", 1)
+                strongest = ((function, channel, fall), *before.strongest[:2])
+                return replace(before, strongest=strongest, chance_of_one=chance, alone=True, shared=name)
+    return before
+
+
+def _lasting(here: Fit, there: Fit) -> tuple[str, float, float] | None:
+    """The regressor that stands out of both logs whatever takes it on either, with its fall and the probability of that, or None.
+
+    Args:
+        here: fit of the model to a log.
+        there: of the same model to the other.
+    """
+    best: tuple[str, float, float] | None = None
+    last: list[Mapping[str, float]] = [{}, {}]
+    # Each step costs more than the one before, and mostly the first leaves nothing. A log has steps of its own.
+    for step in zip_longest(_standing(here), _standing(there)):
+        last = [before if now is None else now for now, before in zip(step, last, strict=True)]
+        best = together(*last)
+        if best is None:
+            break
+    return best
+
+
+def together(first: Mapping[str, float], second: Mapping[str, float]) -> tuple[str, float, float] | None:
+    """The regressor that stands out of two logs together, with its fall and the probability of that over the dictionary, or None.
+
+    Args:
+        first: falls on a log, with the sign of the regressor, by name.
+        second: on the other.
+    """
+    known = [n for n, x in first.items() if n in second and x * second[n] > 0]
+    falls = {n: abs(first[n]) + abs(second[n]) for n in known if min(abs(first[n]), abs(second[n])) >= EACH}
+    if not falls:
+        return None
+    best = max(falls, key=falls.__getitem__)
+    chance = float(min(1.0, chdtrc(2, falls[best]) * len(first)))
+    return (best, falls[best], chance) if chance <= ALONE else None
+
+
+def _standing(fit: Fit) -> Iterator[Mapping[str, float]]:
+    """Falls by each regressor with its sign, the least so far, beside one after the other of what may take it."""
+    names, x, unit = regressors(fit)
+    others = Others(fit)
+    free = others.curve
+    wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
+    own, at = Projection(wide, free.projection.base), range(len(free.g.names), len(wide.names))
+    found = Standing.of(own, at, free.worst, excess(fit, own, at, spectrum(fit, wide)))
+    least, sign = found.falls, np.sign(found.scores)
+    yield dict(zip(names, (sign * least).tolist(), strict=True))
+    for other in others.beside():
+        colour = other.spectrum(wide)
+        beside = Projection(other.beside(wide), own.base)
+        q = Standing.of(beside, at, free.worst, None if colour is None else excess(fit, own, at, colour))
+        least = np.where(np.sign(q.scores) == sign, np.minimum(least, q.falls), 0.0)
+        yield dict(zip(names, (sign * least).tolist(), strict=True))

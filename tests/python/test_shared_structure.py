@@ -1,0 +1,129 @@
+"""Structure that both logs show: falls that add, what has to take them on either log, and whole logs."""
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+from tests.exam.cases import case
+from tests.exam.seal import seal
+
+from ivsid import diagnose
+from ivsid.diagnosis.selection import shared_structure
+from ivsid.diagnosis.selection.adequacy import Adequacy
+from ivsid.diagnosis.selection.shared_structure import together, with_shared
+from ivsid.log import read_log
+from ivsid.vehicle import read_vehicle
+
+# A dictionary of 170 regressors of which two stand out.
+QUIET = {f"surge|f{k}": 0.5 for k in range(168)}
+
+
+def dictionary(psi, u):
+    return {**QUIET, "yaw|sin 2 psi": psi, "surge|u^2": u}
+
+
+@pytest.mark.parametrize(
+    ("here", "there", "found"),
+    [
+        # A fall of 25 over 170 regressors comes once in eight thousand logs; of 25 on both logs together it is none.
+        (dictionary(25.5, 1.0), dictionary(29.4, 2.0), "yaw|sin 2 psi"),
+        (dictionary(-25.5, 1.0), dictionary(-29.4, 2.0), "yaw|sin 2 psi"),
+        # The same force pushes the other way on the other log, or only one of them shows it.
+        (dictionary(25.5, 1.0), dictionary(-29.4, 2.0), None),
+        (dictionary(45.0, 1.0), dictionary(8.5, 2.0), None),
+        # Two regressors of which each stands out of another log.
+        (dictionary(25.5, 1.0), dictionary(1.0, 29.4), None),
+        (dictionary(14.0, 14.0), dictionary(14.0, 14.0), None),
+    ],
+)
+def test_a_regressor_stands_out_of_both_logs_with_one_sign(here, there, found):
+    said = together(here, there)
+    assert (said and said[0]) == found
+    if found:
+        fall = abs(here[found]) + abs(there[found])
+        assert said[1:] == (pytest.approx(fall), pytest.approx(chi2.sf(fall, 2) * len(here)))
+
+
+def test_chance_alone_shows_no_structure():
+    """Of a hundred thousand pairs of dictionaries with nothing in them about one stands out."""
+    rng = np.random.default_rng(0)
+    names, count, found = [f"surge|f{k}" for k in range(170)], 0, 0
+    while count < 100_000:
+        scores = rng.normal(size=(2, 2000, 170))
+        # Pairs that cannot reach the limit need no closer look.
+        near = np.flatnonzero(((scores**2).sum(axis=0) > 25.0).any(axis=1))
+        for k in near:
+            here, there = ({n: s * abs(s) for n, s in zip(names, q[k].tolist(), strict=True)} for q in scores)
+            found += together(here, there) is not None
+        count += 2000
+    assert found <= 5
+
+
+def adequacy(chance_of_one, chance=0.3):
+    strongest = (("sin 2 psi", "yaw", 25.5), ("u^2", "surge", 3.0), ("v", "sway", 2.0))
+    return Adequacy(150.0, 170, chance, strongest, chance_of_one, {})
+
+
+class Fitted:
+    def __init__(self):
+        self.fixed = {}
+
+
+@pytest.mark.parametrize(
+    ("chances", "carried", "shown"),
+    [((9e-5, 0.3), True, True), ((0.03, 0.3), True, False), ((9e-5, 0.3), False, False), ((1e-9, 1e-9), True, False)],
+)
+def test_a_log_in_doubt_is_asked_beside_the_other(monkeypatch, chances, carried, shown):
+    """Not one that shows nothing, and not one that has structure by itself."""
+    before = adequacy(*chances)
+    monkeypatch.setattr(shared_structure, "carried_to", lambda *_: ("noise", "states") if carried else None)
+    monkeypatch.setattr(shared_structure, "survey", lambda *_: "there")
+    monkeypatch.setattr(shared_structure, "_lasting", lambda *_: ("yaw|sin 2 psi", 54.9, 2e-10))
+    found = with_shared(before, Fitted(), "other", "test.csv")
+    assert (found is not before) is shown
+    if shown:
+        assert before.quiet and not found.quiet and found.shared == "test.csv"
+        assert found.strongest[0] == ("sin 2 psi", "yaw", 54.9) and found.probability == 2e-10
+
+
+def test_a_log_that_determines_nothing_says_nothing(monkeypatch):
+    def fails(*_):
+        raise np.linalg.LinAlgError
+
+    before = adequacy(9e-5)
+    monkeypatch.setattr(shared_structure, "carried_to", fails)
+    assert with_shared(before, Fitted(), "other", "test.csv") is before
+
+
+@pytest.mark.parametrize(
+    ("long", "found"), [((25.5, 20.0, 15.0), True), ((25.5, 20.0, 5.0), False), ((25.5, 5.0), False)]
+)
+def test_structure_lasts_beside_all_that_may_take_it_on_either_log(monkeypatch, long, found):
+    """The other log has one step, and its last fall stands beside each of this one's; what leaves nothing ends the work."""
+    asked = []
+
+    def standing(fit):
+        for psi in long if fit == "here" else (40.0,):
+            asked.append(fit)
+            yield dictionary(psi, 1.0)
+
+    monkeypatch.setattr(shared_structure, "_standing", standing)
+    said = shared_structure._lasting("here", "there")
+    assert (said is not None) is found
+    assert not found or said[1] == pytest.approx(40.0 + long[-1])
+    assert asked.count("here") == len(long) and asked.count("there") == 1
+
+
+# Nightly: whole diagnoses. Wind that turns a tug, of z 12 on a log of five minutes in ten times the usual sea, was adequate; the mean of a one-sided
+# sea, in which both logs are, is an ambient force.
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    ("seed", "what", "verdict"),
+    [(300504, "outside", "unknown"), (300533, "outside", "unknown"), (280516, "none", "adequate")],
+)
+def test_structure_of_both_logs_is_unknown_and_a_sea_s_mean_is_not(seed, what, verdict, tmp_path):
+    folder = seal(case(seed, what=what, sea="any", sensors="any"), tmp_path, tmp_path / "answers")
+    vehicle = read_vehicle(folder / "vehicle.toml")
+    train, test = (read_log(folder / f"{k}.csv", vehicle.log) for k in (1, 2))
+    said = diagnose(vehicle, train, test, null_logs=0)
+    assert said.verdict == verdict
+    assert verdict == "adequate" or "together" in said.findings[0].description

@@ -163,9 +163,9 @@ DIAGNOSIS = (
     ),
     python(
         "causes asked of one log",
-        "diagnosis/selection/both_logs.py",
-        "return without(s, said, level)",
-        "return s",
+        "diagnosis/selection/select.py",
+        "{**answer.changed, **imitating_on_both(asked, chosen.found, answer.in_place)}",
+        "{}",
         "test_both_logs.py",
     ),
     python(

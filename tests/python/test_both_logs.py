@@ -1,6 +1,7 @@
 """Causes that one force explains on both logs together: falls against dense least squares, the rules, and a whole pair of logs."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,9 +10,9 @@ from tests.exam.seal import seal
 
 from ivsid import diagnose
 from ivsid.diagnosis.estimation.two_logs import Changes, changes, one_log
-from ivsid.diagnosis.selection import both_logs
+from ivsid.diagnosis.selection import both_logs, select
 from ivsid.diagnosis.selection.in_their_place import InPlace
-from ivsid.diagnosis.selection.one_force import _Asked, by_one_force, imitating
+from ivsid.diagnosis.selection.one_force import Forces, by_one_force, imitating_on_both, sets_of
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
 from test_one_force import CAUSES, FORCES, MODEL, gram_of, least
@@ -21,7 +22,7 @@ NAMES = ("f", "g", "h")
 
 def asked(x, y, names=NAMES):
     """Two causes with three forces."""
-    return _Asked({"a": [2], "b": [3]}, np.zeros(4), gram_of(x, y), names, (), (), {})
+    return Forces({"a": [2], "b": [3]}, np.zeros(4), gram_of(x, y), names, (), (), {})
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -85,6 +86,7 @@ class Asks:
 
     def __init__(self, sums=False, thruster=False, timed=False):
         self.first = self.candidate = self.effect = self.acts = self
+        self.form, self.rough = self, False
         self.id, self.sums, self.at_thruster, self.in_time = "x2", sums, thruster, timed
 
 
@@ -98,39 +100,72 @@ class Fitted:
 
 
 @pytest.mark.parametrize(
-    ("sums", "carried", "left"), [(True, True, "less"), (False, True, "all"), (True, False, "all")]
+    ("cause", "carried", "said"),
+    [
+        ({"sums": True}, True, True),
+        ({"thruster": True}, True, True),
+        ({"thruster": True, "timed": True}, True, False),
+        ({"sums": True}, False, False),
+    ],
 )
-def test_the_selection_is_asked_of_the_other_log(monkeypatch, sums, carried, left):
-    chosen = type("S", (), {"found": (Asks(sums),), "last": type("F", (), {"fixed": {}})()})()
-    monkeypatch.setattr(both_logs, "changed", lambda *_: {})
+def test_the_other_log_is_asked_of_sums_and_of_causes_of_thrusters(monkeypatch, cause, carried, said):
+    last = type("F", (), {"fixed": {}})()
+    forces = asked(*log_of(np.random.default_rng(0), 4, 1.5))
     monkeypatch.setattr(both_logs, "carried_to", lambda *_: ("noise", "states") if carried else None)
-    monkeypatch.setattr(both_logs, "survey", lambda noise, states, fixed, only: ("there", noise, states, only))
-    monkeypatch.setattr(
-        both_logs, "imitating", lambda fit, found, there: {"a": "no"} if there[0] == "there" and not there[3] else {}
-    )
-    monkeypatch.setattr(both_logs, "without", lambda s, said, level: ("less", said, level))
-    found = both_logs.on_both_logs(chosen, "other", 0.01)
-    assert found == ("less", {"a": "no"}, 0.01) if left == "less" else found is chosen
+    monkeypatch.setattr(both_logs, "survey", lambda noise, states, fixed, only: ("there", only))
+    monkeypatch.setattr(Forces, "of", classmethod(lambda *_, curves_too: None if curves_too else forces))
+    monkeypatch.setattr(both_logs, "changed", lambda here, there, _: {"x2": there})
+    found = both_logs.on_other_log(last, (Asks(**cause),), "other")
+    assert found.changed == ({"x2": ("there", frozenset())} if said else {})
+    assert set(found.in_place) == ({("a", "b"), ("a",), ("b",)} if said else set())
 
 
 def test_a_log_that_determines_nothing_says_nothing(monkeypatch):
     def fails(*_):
         raise np.linalg.LinAlgError
 
-    chosen = type("S", (), {"found": (Asks(True),), "last": None})()
     monkeypatch.setattr(both_logs, "carried_to", fails)
-    assert both_logs.on_both_logs(chosen, "other", 0.01) is chosen
+    assert both_logs.on_other_log(None, (Asks(sums=True),), "other") == both_logs.OtherLog({}, {})
 
 
-@pytest.mark.parametrize("sums", [True, False])
-def test_a_thruster_s_cause_is_asked_whether_or_not_it_is_a_sum(monkeypatch, sums):
-    chosen = type("S", (), {"found": (Asks(sums, thruster=True),), "last": type("F", (), {"fixed": {}})()})()
-    monkeypatch.setattr(both_logs, "carried_to", lambda *_: ("noise", "states"))
-    monkeypatch.setattr(both_logs, "survey", lambda *_: "there")
-    monkeypatch.setattr(both_logs, "imitating", lambda *_: {})
-    monkeypatch.setattr(both_logs, "changed", lambda *_: {"x2": "another"})
-    monkeypatch.setattr(both_logs, "without", lambda s, said, level: said)
-    assert both_logs.on_both_logs(chosen, "other", 0.01) == {"x2": "another"}
+class Now:
+    """A task that is done when its result is asked for."""
+
+    def __init__(self, task):
+        self.result = task
+
+    def end(self):
+        self.result = None
+
+
+@pytest.mark.parametrize("first", [True, False])
+@pytest.mark.parametrize(("changed", "one_force"), [({"x2": "another"}, {}), ({}, {"x2": "a force"}), ({}, {})])
+def test_a_selection_keeps_no_cause_that_the_other_log_refuses(monkeypatch, first, changed, one_force):
+    """Whether or not this log has refused one before, after which the others are asked beside what is left."""
+    causes = (Asks(sums=True), Asks(sums=True))
+    causes[1].id, causes[0].slewed, causes[1].slewed = "x3", None, None
+    chosen = select.Selection(None, "whole", causes, ())
+    monkeypatch.setattr(select, "Apart", Now)
+    monkeypatch.setattr(Forces, "of", classmethod(lambda _, fit, found: (fit, [f.id for f in found])))
+    monkeypatch.setattr(select, "imitating", lambda *_: {"x3": "a force here"} if first else {})
+    monkeypatch.setattr(select, "AnyCurve", lambda _: type("C", (), {"reach": lambda _: {}})())
+    monkeypatch.setattr(
+        select,
+        "_without",
+        lambda s, said, _: replace(s, last="less", found=tuple(f for f in s.found if f.id not in said)),
+    )
+    here = ("less", ["x2"]) if first else ("whole", ["x2", "x3"])
+    monkeypatch.setattr(
+        select,
+        "on_other_log",
+        lambda last, found, other: both_logs.OtherLog((last, [f.id for f in found]), changed),
+    )
+    monkeypatch.setattr(
+        select, "imitating_on_both", lambda asked, _, there: one_force if asked == there == here else {"wrong": ""}
+    )
+    screened = type("Q", (), {"round": type("R", (), {"curve": None})()})()
+    left = {f.id for f in select._kept(chosen, screened, 0.01, "other").found}
+    assert left == {"x2", "x3"} - ({"x3"} if first else set()) - changed.keys() - one_force.keys()
 
 
 @pytest.mark.parametrize(
@@ -178,13 +213,13 @@ def test_a_force_that_the_other_log_shows_has_no_name(seed, effect, tmp_path):
     assert [f.effect for f in diagnose(vehicle, train, test, null_logs=0).findings] == ["unknown"]
 
 
-def test_both_logs_are_asked_with_one_fit_of_the_other(monkeypatch):
-    """Asked with another log, the forces of both are: nothing is refused where that log lacks the cause's columns."""
-    made = []
-
-    def of(cls, fit, causes):
-        made.append(fit)
-        return asked(np.random.default_rng(0).normal(size=(50, 7)), np.zeros(50)) if fit == "here" else None
-
-    monkeypatch.setattr(_Asked, "of", classmethod(of))
-    assert imitating("here", (), "there") == {} and made == ["here", "there"]
+def test_sets_that_the_other_log_lacks_are_not_asked_of_it():
+    """Without their columns there, nothing is refused; the others are, the largest set first."""
+    here = asked(*log_of(np.random.default_rng(0), 4, 0.02))
+    there = asked(*log_of(np.random.default_rng(1), 4, 1.5)).in_place(("a",))
+    causes = (Asks(), Asks())
+    causes[0].id, causes[1].id = "a", "b"
+    assert imitating_on_both(here, causes, {}) == imitating_on_both(None, causes, {("a",): there}) == {}
+    refused = imitating_on_both(here, causes, {("a",): there})
+    assert refused.keys() == {"a"} and refused["a"].beside == ("b",)
+    assert list(sets_of("ab")) == [("a", "b"), ("a",), ("b",)]

@@ -14,7 +14,7 @@ from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.selection.force_rules import BETTER_FORCE, ONE_FORCE, Together
 from ivsid.diagnosis.selection.in_their_place import REPLACED, in_their_place, least_part
-from ivsid.diagnosis.selection.one_force import _Asked
+from ivsid.diagnosis.selection.one_force import Forces
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
 
@@ -91,7 +91,7 @@ def test_a_thrust_turned_around_replaces_no_drags(unit, stands):
     force = drags + unit * 50.0 * rate
     x = np.stack([rate, rng.normal(size=400), one, other, force, *rng.normal(size=(2, 400))], axis=1)
     hull = {0: (50.0, 40.0, 100.0)}
-    asked = _Asked(
+    asked = Forces(
         {"a": [2], "b": [3]}, np.zeros(4), gram_of(x, drags + 0.01 * rng.normal(size=400)), "fgh", (), (), hull
     )
     assert (asked.refusal(("a", "b"), ()) is not None) is stands
@@ -108,7 +108,7 @@ def test_a_force_that_may_be_one_cause_s_own_takes_the_others_alone(share, kept)
     force = 10.0 * (one + share * other)
     x = np.stack([*rng.normal(size=(2, 400)), one, other, force, *rng.normal(size=(2, 400))], axis=1)
     g = gram_of(x, 3.0 * force + 0.01 * rng.normal(size=400))
-    asked = _Asked({"a": [2], "b": [3]}, np.zeros(4), g, "fgh", (), (), {})
+    asked = Forces({"a": [2], "b": [3]}, np.zeros(4), g, "fgh", (), (), {})
     found = asked.refusal(("a", "b"), ("c",))
     assert found is not None
     assert found.rule == "one force"
@@ -124,7 +124,7 @@ def test_a_curve_replaces_no_cause_whose_evidence_is_errors_beyond_their_bounds(
     x = np.stack([*rng.normal(size=(2, 400)), u**3, *rng.normal(size=(2, 400)), *bend], axis=1)
     y = 40.0 * np.maximum(u - 0.5, 0.0) + 0.1 * rng.normal(size=400)
     curves, groups = ("surge|u 0", "surge|u 1"), [range(2)]
-    asked = _Asked({"a": [2]}, np.zeros(4), gram_of(x, y), "f", curves, groups, {}, frozenset(boxed))
+    asked = Forces({"a": [2]}, np.zeros(4), gram_of(x, y), "f", curves, groups, {}, frozenset(boxed))
     found = asked.refusal(("a",), ())
     assert (found is not None and found.rule == "better curve") is refused
 
@@ -141,7 +141,7 @@ def test_a_curve_that_a_thrust_error_bends_replaces_no_cause(bent_by, refused):
     names, groups = tuple(f"surge|u {k}" for k in range(6)), [range(6)]
     wide = gram_of(np.stack([*model, cause, *rng.normal(size=(1, 400)), *hats], axis=1), y)
     free = gram_of(np.stack([*model, cause, jump, *hats], axis=1), y)
-    asked = _Asked({"a": [2]}, np.zeros(3), wide, "f", names, groups, {})
+    asked = Forces({"a": [2]}, np.zeros(3), wide, "f", names, groups, {})
     assert asked.refusal(("a",), ()).rule == "better curve"
     found = replace(asked, free=lambda: free).refusal(("a",), ())
     assert (found is not None) is refused and (found is None or found.rule == "better curve")
@@ -195,7 +195,7 @@ def test_two_causes_that_follow_a_force_closer_than_its_outline_are_refused(forc
     first, second = outline + 0.4 * other + 1.5 * both, 1.5 * both
     y = 3.0 * (truth[0] * first + truth[1] * second) + rng.normal(size=400)
     g = gram_of(np.stack([*model, first, second, outline], axis=1), y)
-    asked = _Asked({"a": [2], "b": [3]}, np.zeros(4), g, [force], (), (), {})
+    asked = Forces({"a": [2], "b": [3]}, np.zeros(4), g, [force], (), (), {})
     found = asked.refusal(("a", "b"), ())
     assert (found is not None and found.rule == "rough force") is refused
 

@@ -24,7 +24,6 @@ from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.null.thresholds import Calibration, calibrate
 from ivsid.diagnosis.null.visibility import Visibility, visibility
 from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
-from ivsid.diagnosis.selection.both_logs import on_both_logs
 from ivsid.diagnosis.selection.confirmation import (
     NULL_LOGS,
     StructureConfirmation,
@@ -244,13 +243,14 @@ def _asked_of(
 def _named(
     fit: Fit, scored: tuple[Fit, list[Scored]], test: Threshold, other: Channels, progress: Callable[[str], None]
 ) -> Selection:
-    """The causes that one log shows and both do not refuse; one whose numbers may all be none, and that others came close to, makes place for them and stands beside."""
-    selection = select(fit, scored, test, progress)
-    if barred := nameless(selection):
-        progress("looking again, without causes whose numbers may all be none")
-        again = select(fit, scored, replace(test, barred=barred), progress)
-        selection = in_place(selection, again, frozenset(barred))
-    return on_both_logs(selection, other, test.level)
+    """The causes; one whose numbers may all be none, and that others came close to, makes place for them and stands beside."""
+    selection = select(fit, scored, test, other, progress)
+    barred = nameless(selection)
+    if not barred:
+        return selection
+    progress("looking again, without causes whose numbers may all be none")
+    again = select(fit, scored, replace(test, barred=barred), other, progress)
+    return in_place(selection, again, frozenset(barred))
 
 
 def _rest(selection: Selection, before: Adequacy) -> Left:

@@ -9,7 +9,7 @@ Source: docs/theory.md, "Both logs"; Chow, "Tests of equality between sets of co
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,31 +23,46 @@ from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.null.slow_force import slow_force
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.force_rules import SAME_NUMBER, SIGMAS, Changed
-from ivsid.diagnosis.selection.in_their_place import held_numbers, is_of
-from ivsid.diagnosis.selection.one_force import imitating
+from ivsid.diagnosis.selection.in_their_place import InPlace, held_numbers, is_of
+from ivsid.diagnosis.selection.one_force import Forces, sets_of
 from ivsid.diagnosis.selection.rivals import Found
-from ivsid.diagnosis.selection.select import Selection, without
 
 Array = NDArray[np.float64]
 
 
-def on_both_logs(s: Selection, other: Channels, level: float) -> Selection:
-    """The selection without causes that both logs together refuse.
+@dataclass(frozen=True)
+class OtherLog:
+    """What the other log says of causes.
+
+    Attributes:
+        in_place: what sets of causes whose errors are sums explain there, and the forces in their place.
+        changed: refusals of causes whose number is another one there, by id.
+    """
+
+    in_place: Mapping[tuple[str, ...], InPlace]
+    changed: Mapping[str, Refusal]
+
+
+def on_other_log(last: Fit, found: Sequence[Found], other: Channels) -> OtherLog:
+    """What another run of the same vehicle says of causes; nothing where its numbers cannot be fitted.
 
     Args:
-        s: with them.
-        other: the other log, of another run of the same vehicle.
-        level: threshold of the log.
+        last: fit of the model with all causes.
+        found: the causes.
+        other: the other log.
     """
-    if not any(f.first.candidate.sums or _of_thrusters(f) for f in s.found):
-        return s
-    # A log on which the numbers cannot be fitted says nothing of the causes.
-    with suppress(np.linalg.LinAlgError):
-        if (carried := carried_to(s.last, other)) is not None:
-            there = survey(*carried, s.last.fixed, frozenset())
-            if said := {**changed(s.last, there, s.found), **imitating(s.last, s.found, there)}:
-                return without(s, said, level)
-    return s
+    nothing = OtherLog({}, {})
+    if not any(f.first.candidate.sums or _of_thrusters(f) for f in found):
+        return nothing
+    try:
+        if (carried := carried_to(last, other)) is None:
+            return nothing
+        there = survey(*carried, last.fixed, frozenset())
+        forces = Forces.of(there, found, curves_too=False)
+        in_place = {} if forces is None else {ids: forces.in_place(ids) for ids in sets_of(forces.own)}
+        return OtherLog(in_place, changed(last, there, found))
+    except np.linalg.LinAlgError:
+        return nothing
 
 
 def changed(here: Fit, there: Fit, found: Sequence[Found]) -> Mapping[str, Refusal]:

@@ -14,7 +14,7 @@ Source: docs/theory.md, "Diagnosis"; Akaike, "A new look at the statistical mode
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from functools import cache
@@ -59,40 +59,72 @@ from ivsid.diagnosis.selection.speed_curves import speed_curves, words
 Array = NDArray[np.float64]
 
 
-def imitating(fit: Fit, found: Sequence[Found], there: Fit | None = None) -> Mapping[str, Refusal]:
+def imitating(asked: Forces | None, found: Sequence[Found]) -> Mapping[str, Refusal]:
     """Refusals, by id, of causes that one force explains as well as they do together, or better than one of them.
 
     Args:
-        fit: of the model with all causes.
-        found: the causes.
-        there: the same model fitted to another log, where both logs are asked together; any function of a velocity is asked of one log alone.
+        asked: the causes whose errors are sums, with the forces of the log; None if there are none.
+        found: all causes.
     """
-    causes = [f for f in found if f.first.candidate.sums]
-    asked = _Asked.of(fit, causes)
-    other = None if there is None or asked is None else _Asked.of(there, causes)
-    if asked is None or (there is not None and (other is None or other.own.keys() != asked.own.keys())):
+    if asked is None:
         return {}
-    rough = {f.id for f in causes if f.first.candidate.effect.form.rough}
-    refused: dict[str, Refusal] = {}
-    # The largest sets first: a set that one force explains takes its parts with it. A rough curve is no linear cause of such a set.
-    for count in range(len(asked.own), 0, -1):
-        for ids in combinations(asked.own, count):
-            if refused.keys() & set(ids) or (count > 1 and rough & set(ids)):
-                continue
-            beside = [f.id for f in found if f.id not in ids]
-            if other is None:
-                refusal = asked.refusal(ids, beside)
-            else:
-                refusal = by_one_force(asked.in_place(ids).beside(other.in_place(ids)), beside)
-            if refusal is not None:
-                refused |= {i: refusal for i in ids if i not in refusal.beside}
-    if other is not None:
-        return refused
+    rough = _rough(asked, found)
+    refused = _each_set(asked, found, asked.refusal)
     return refused | asked.outlined(rough - refused.keys(), [i for i in asked.own if i not in rough | refused.keys()])
 
 
+def imitating_on_both(
+    asked: Forces | None, found: Sequence[Found], there: Mapping[tuple[str, ...], InPlace]
+) -> Mapping[str, Refusal]:
+    """The same on two logs together; any function of a velocity, which has many numbers, is asked of one log alone.
+
+    Args:
+        asked: the causes whose errors are sums, with the forces of the log; None if there are none.
+        found: all causes.
+        there: what sets of causes and the forces in their place explain on the other log.
+    """
+
+    def refusal(ids: tuple[str, ...], beside: Sequence[str]) -> Refusal | None:
+        return by_one_force(asked.in_place(ids).beside(there[ids]), beside) if asked and ids in there else None
+
+    return {} if asked is None or not there else _each_set(asked, found, refusal)
+
+
+def sets_of(causes: Collection[str]) -> Iterator[tuple[str, ...]]:
+    """Sets of causes, the largest first: one that a force explains takes its parts with it."""
+    for count in range(len(causes), 0, -1):
+        yield from combinations(causes, count)
+
+
+def _rough(asked: Forces, found: Sequence[Found]) -> set[str]:
+    """Ids of causes whose curve is known in rough outline."""
+    return {f.id for f in found if f.id in asked.own and f.first.candidate.effect.form.rough}
+
+
+def _each_set(
+    asked: Forces, found: Sequence[Found], refusal: Callable[[tuple[str, ...], Sequence[str]], Refusal | None]
+) -> dict[str, Refusal]:
+    """Refusals, by id, of sets of causes and of single ones.
+
+    Args:
+        asked: the causes.
+        found: these and others.
+        refusal: of a set, beside the others.
+    """
+    rough = _rough(asked, found)
+    refused: dict[str, Refusal] = {}
+    for ids in sets_of(asked.own):
+        # A rough curve is no linear cause of such a set.
+        if refused.keys() & set(ids) or (len(ids) > 1 and rough & set(ids)):
+            continue
+        said = refusal(ids, [f.id for f in found if f.id not in ids])
+        if said is not None:
+            refused |= {i: said for i in ids if i not in said.beside}
+    return refused
+
+
 @dataclass(frozen=True)
-class _Asked:
+class Forces:
     """Causes with the forces and the curves of a velocity that may stand in their place.
 
     Attributes:
@@ -118,8 +150,15 @@ class _Asked:
     free: Callable[[], Gram] | None = None
 
     @classmethod
-    def of(cls, fit: Fit, causes: Sequence[Found]) -> Self | None:
-        """The causes of a fit whose errors are sums of columns; None if there are none."""
+    def of(cls, fit: Fit, found: Sequence[Found], *, curves_too: bool = True) -> Self | None:
+        """The causes of a fit whose errors are sums of columns; None if there are none.
+
+        Args:
+            fit: of the model with all causes.
+            found: all causes.
+            curves_too: whether any function of a velocity is among the forces.
+        """
+        causes = [f for f in found if f.first.candidate.sums]
         numbers = held_numbers(fit)
         names = [fit.gram.names[k] for k in fit.base]
         own = {f.id: [i for i, n in enumerate(names) if n in numbers and is_of(n, f.id)] for f in causes}
@@ -134,7 +173,8 @@ class _Asked:
         slow, x, unit = gradual_forces(fit)
         if slow:
             forces, wide = [*forces, *slow], wide.joined(slow, x, unit)
-        curves, lines, lengths, groups = speed_curves(fit)
+        nothing: tuple[list[str], Array, Array, list[range]] = ([], np.zeros((0, 0)), np.zeros(0), [])
+        curves, lines, lengths, groups = speed_curves(fit) if curves_too else nothing
         if groups:
             wide = wide.joined(curves, lines, lengths)
         limits = hull_limits(fit.noise.predictor.vehicle, fit.h.terms)

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Final
 
 from ivsid.diagnosis.candidates.families import score
 from ivsid.diagnosis.candidates.intervals import Reach
+from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
@@ -27,8 +28,9 @@ from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.selection.admission import admit
+from ivsid.diagnosis.selection.both_logs import on_other_log
 from ivsid.diagnosis.selection.force_rules import SLEWED, SLOW_FORCE, Slewed, Slow
-from ivsid.diagnosis.selection.one_force import imitating
+from ivsid.diagnosis.selection.one_force import Forces, imitating, imitating_on_both
 from ivsid.diagnosis.selection.review import Reviewed, reviewed
 from ivsid.diagnosis.selection.rivals import FULL_STEPS, Found
 from ivsid.diagnosis.selection.rules import (
@@ -41,6 +43,7 @@ from ivsid.diagnosis.selection.rules import (
     full_refused,
     refused_by,
 )
+from ivsid.intervals.apart import Apart
 
 # Reviews after a cause is added, and causes that may fail their full fit.
 # Source: resource: a review takes a survey for each cause
@@ -79,7 +82,11 @@ class Selection:
 
 
 def select(
-    plain: Fit, first: tuple[Fit, list[Scored]], passes: Threshold, progress: Progress = lambda _: None
+    plain: Fit,
+    first: tuple[Fit, list[Scored]],
+    passes: Threshold,
+    other: Channels,
+    progress: Progress = lambda _: None,
 ) -> Selection:
     """Adds causes while one passes the test, and reviews the earlier ones after each.
 
@@ -87,6 +94,7 @@ def select(
         plain: fit of the model without causes.
         first: the same with the columns of searched causes, and the scores of all (``score``).
         passes: the test.
+        other: the other log, which is asked of causes that this one shows.
         progress: told of each candidate.
     """
     fit, scored = first
@@ -142,24 +150,37 @@ def select(
             break
         tops.add(now)
     chosen = Selection(plain, fit, tuple(found), every, tuple(scored), {**waiting, **refused})
-    return _with_curves(chosen, screened, passes.level)
+    return _kept(chosen, screened, passes.level, other)
 
 
-def _with_curves(chosen: Selection, screened: Screened, level: float) -> Selection:
-    """The selection without causes that one force explains as well, and what its curves reach.
+def _kept(chosen: Selection, screened: Screened, level: float, other: Channels) -> Selection:
+    """The selection without causes that imitate something which the catalogue lacks, and what its curves reach.
 
     Args:
         chosen: the causes.
         screened: the last screening, which has made the curves of its fit.
         level: threshold of the log.
+        other: the other log, of another run of the same vehicle.
     """
-    said = {**imitating(chosen.last, chosen.found), **{f.id: f.slewed for f in chosen.found if f.slewed is not None}}
+    if not chosen.found:
+        return chosen
+    # The other log is asked in a process of its own, while this one is.
+    there = Apart(partial(on_other_log, chosen.last, chosen.found, other))
+    asked = Forces.of(chosen.last, chosen.found)
+    said = {**imitating(asked, chosen.found), **{f.id: f.slewed for f in chosen.found if f.slewed is not None}}
     if said:
-        return without(chosen, said, level)
-    return replace(chosen, curves=(screened.round.curve or AnyCurve(chosen.last)).reach()) if chosen.found else chosen
+        there.end()
+        chosen = _without(chosen, said, level)
+        answer = on_other_log(chosen.last, chosen.found, other)
+        asked = Forces.of(chosen.last, chosen.found)
+    else:
+        chosen = replace(chosen, curves=(screened.round.curve or AnyCurve(chosen.last)).reach())
+        answer = there.result()
+    said = {**answer.changed, **imitating_on_both(asked, chosen.found, answer.in_place)}
+    return _without(chosen, said, level) if said else chosen
 
 
-def without(s: Selection, said: Mapping[str, Refusal], level: float) -> Selection:
+def _without(s: Selection, said: Mapping[str, Refusal], level: float) -> Selection:
     """The selection without causes that imitate something which the catalogue lacks.
 
     Args:

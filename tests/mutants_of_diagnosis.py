@@ -178,8 +178,15 @@ DIAGNOSIS = (
     python(
         "numbers that a curve inside its accuracy moves",
         "diagnosis/selection/both_logs.py",
-        "(np.abs(beside.mean) - worst) / sigma",
-        "np.abs(beside.mean) / sigma",
+        "(np.abs(beside.mean) - worst - ALIKE) / sigma",
+        "(np.abs(beside.mean) - ALIKE) / sigma",
+        "test_both_logs.py",
+    ),
+    python(
+        "numbers that are exact",
+        "diagnosis/selection/force_rules.py",
+        "ALIKE: Final = 0.1",
+        "ALIKE: Final = 0.0",
         "test_both_logs.py",
     ),
     python(

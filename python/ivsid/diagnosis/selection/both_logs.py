@@ -22,7 +22,7 @@ from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.null.slow_force import slow_force
 from ivsid.diagnosis.selection.adequacy import adequacy
-from ivsid.diagnosis.selection.force_rules import SAME_NUMBER, SIGMAS, Changed
+from ivsid.diagnosis.selection.force_rules import ALIKE, SAME_NUMBER, SIGMAS, Changed
 from ivsid.diagnosis.selection.in_their_place import InPlace, held_numbers, is_of
 from ivsid.diagnosis.selection.one_force import Forces, sets_of
 from ivsid.diagnosis.selection.rivals import Found
@@ -81,7 +81,7 @@ def changed(here: Fit, there: Fit, found: Sequence[Found]) -> Mapping[str, Refus
         return {}
     ratio = np.array([after[n] / x - 1.0 for n, x in values.items()])
     both = changes(one_log(here.gram, here.base, values), one_log(there.gram, there.base, values), ratio)
-    if (np.abs(both.mean) <= SIGMAS * np.sqrt(np.diag(both.covariance))).all():
+    if (np.abs(both.mean) <= ALIKE + SIGMAS * np.sqrt(np.diag(both.covariance))).all():
         return {}
     # Curves may bend or jump between the knots of a fit; and what the model lacks there may move its numbers.
     if not adequacy(there).white:
@@ -89,7 +89,7 @@ def changed(here: Fit, there: Fit, found: Sequence[Found]) -> Mapping[str, Refus
     beside = beside_curves(here, there, values, values, ratio)
     sigma = np.sqrt(np.diag(beside.noise))
     worst = [beside.worst(e) for e in np.eye(len(own))]
-    z = (np.abs(beside.mean) - worst) / sigma
+    z = (np.abs(beside.mean) - worst - ALIKE) / sigma
     cases = {i: Changed(i, 1.0 + float(m), float(x)) for i, m, x in zip(own.values(), beside.mean, z, strict=True)}
     others = {i: [f.id for f in found if f.id != i] for i in cases}
     said = {i: SAME_NUMBER.refuses(case, others[i]) for i, case in cases.items()}

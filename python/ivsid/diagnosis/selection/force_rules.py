@@ -30,6 +30,9 @@ OUTLINED: Final = 0.8
 # Standard deviations by which numbers of two logs have to differ.
 # Source: definition: 6e-7 of normal errors lie beyond
 SIGMAS: Final = 5.0
+# Share by which numbers of two logs that are determined to more digits may differ.
+# Source: definition: a tenth; a delay of 0.3 s is determined to a microsecond, and equations and clocks are not as exact
+ALIKE: Final = 0.1
 
 
 @dataclass(frozen=True)
@@ -218,7 +221,7 @@ class Changed:
     Attributes:
         id: of the cause.
         ratio: its number there over that on this log.
-        z: standard deviations of the noise by which they differ beyond what errors inside their accuracies explain.
+        z: standard deviations of the noise by which they differ by more than ``ALIKE``, beyond what errors inside their accuracies explain.
     """
 
     id: str
@@ -228,14 +231,14 @@ class Changed:
 
 SAME_NUMBER: Final = Rule[Changed](
     "same number",
-    "standard deviations by which a thruster's number differs between the logs, beyond what thrust curves inside their accuracy and slow forces explain",
+    f"standard deviations by which a thruster's number differs between the logs by more than {ALIKE:.0%}, beyond what thrust curves inside their accuracy and slow forces explain",
     f"at most {SIGMAS:g}",
     "Thrusters are the same in both logs, and so is what is wrong with them: a number that follows the manoeuvre is one of a force that the catalogue lacks. It is "
     "asked where the model leaves nothing on the other log, and of no cause that starts at a time.",
     "definition: 6e-7 of normal errors lie beyond",
     lambda c: c.z,
     lambda _: SIGMAS,
-    "on the other log its number is {case.ratio:.2g} times as large, {value:.1f} standard deviations beyond what errors inside their accuracies explain, and "
+    "on the other log its number is {case.ratio:.2g} times as large, {value:.1f} standard deviations beyond what errors inside their accuracies and rough equations explain, and "
     "{limit:g} is the limit: a cause of the thrusters is the same on both",
     least=False,
 )

@@ -150,7 +150,10 @@ def compare(predictor: Predictor, before: Hypothesis, after: Hypothesis, seed: i
     diverges = (_first(simulated[0]), _first(simulated[-1]))
     extended = after is not before
     for name, (b, a) in moved.items() if extended and diverges == (None, None) else ():
-        draws = rng.integers(0, max(b.size, 1), (DRAWS, max(b.size, 1)))
+        if not b.size:
+            # Between lost rows no window is long enough.
+            continue
+        draws = rng.integers(0, b.size, (DRAWS, b.size))
         interval[name] = _middle(np.median(b[draws], axis=1), np.median(a[draws], axis=1))
     rms = {name: (_median(b), _median(a)) for name, (b, a) in moved.items()}
     position = rms.pop("position", None)

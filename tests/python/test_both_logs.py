@@ -81,6 +81,30 @@ def test_a_force_that_leaves_no_hull_on_one_log_stands_on_neither():
     assert one.beside(other).best.force == "g"
 
 
+def test_a_force_with_all_its_channels_is_the_same_on_both_logs():
+    """The channel in which most of a thrust's fall is may differ between the logs."""
+    fall = "fall of the thrust of port with its heat of 60 s in {}"
+    here = InPlace(
+        50.0,
+        50.0,
+        {"a": (50.0,)},
+        {fall.format("yaw"): 60.0, "u in yaw": 9.0},
+        {fall.format("yaw"): 1.0, "u in yaw": 0.0},
+        frozenset(),
+    )
+    other = InPlace(
+        30.0,
+        30.0,
+        {"a": (30.0,)},
+        {fall.format("surge"): 40.0, "u in surge": 9.0},
+        {fall.format("surge"): 2.0, "u in surge": 0.0},
+        frozenset(),
+    )
+    both = here.beside(other)
+    assert (both.alone, both.kept) == ({fall.format("yaw"): 100.0}, {fall.format("yaw"): 3.0})
+    assert here.beside(replace(other, odd=frozenset({fall.format("surge")}))).best.alone == 0.0
+
+
 class Asks:
     """A cause whose errors are sums of columns, or not, of a thruster, or not, at a time, or not."""
 
@@ -136,6 +160,36 @@ class Now:
 
     def end(self):
         self.result = None
+
+
+@pytest.mark.parametrize("times", [(1.5, 1.0), (1.0, 1.5)])
+def test_of_several_numbers_the_one_that_changes_farthest_counts(monkeypatch, times):
+    """Whatever their order, and where the other log lacks one of them the other is asked."""
+    rng = np.random.default_rng(4)
+
+    def fitted(numbers, base=(0, 1, 2, 3)):
+        fit = Fitted(rng, 2.0, 2.0)
+        x = rng.normal(size=(20_000, 7))
+        fit.gram = replace(
+            gram_of(x, x[:, 2:4] @ (np.array(numbers) - 2.0) + rng.normal(size=20_000)),
+            names=("x0", "x1", "x2.a", "x2.b", "x4", "x5", "x6"),
+        )
+        fit.base, fit.held = base, {"x2.a": 2.0, "x2.b": 2.0}
+        return fit
+
+    monkeypatch.setattr(both_logs, "held_numbers", lambda fit: fit.held)
+    monkeypatch.setattr(both_logs, "adequacy", lambda _: type("A", (), {"white": True})())
+    monkeypatch.setattr(
+        both_logs,
+        "beside_curves",
+        lambda one, other, before, after, ratio: changes(
+            one_log(one.gram, one.base, before), one_log(other.gram, other.base, after), ratio
+        ),
+    )
+    here, there = fitted((2.0, 2.0)), fitted([2.0 * k for k in times])
+    assert both_logs.changed(here, there, [Asks(thruster=True)]).keys() == {"x2"}
+    bare = fitted((2.0 * times[0], 2.0), base=(0, 1, 2))
+    assert (both_logs.changed(here, bare, [Asks(thruster=True)]).keys() == {"x2"}) is (times[0] != 1.0)
 
 
 @pytest.mark.parametrize("first", [True, False])

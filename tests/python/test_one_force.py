@@ -13,7 +13,7 @@ from ivsid import diagnose
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.selection.force_rules import BETTER_FORCE, ONE_FORCE, Together
-from ivsid.diagnosis.selection.in_their_place import REPLACED, in_their_place, least_part
+from ivsid.diagnosis.selection.in_their_place import REPLACED, Without
 from ivsid.diagnosis.selection.one_force import Forces
 from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
@@ -62,7 +62,8 @@ def test_falls_in_the_place_of_causes_are_those_of_the_whole_problem(seed):
     held = rng.standard_normal(2)
     # The errors of a hypothesis hold its causes no more.
     g = gram_of(x, y - x[:, CAUSES] @ held)
-    fall, alone, kept = in_their_place(Projection(g, MODEL), CAUSES, held * g.unit[list(CAUSES)], FORCES)
+    without = Without(Projection(g, MODEL), CAUSES, held * g.unit[list(CAUSES)])
+    fall, (alone, kept) = without.fall, without.by_forces(FORCES)
     bare = least(x, y, [*MODEL])
     assert fall == pytest.approx(bare - least(x, y, [*MODEL, *CAUSES]), rel=1e-5, abs=1e-6)
     for k, one, more in zip(FORCES, alone, kept, strict=True):
@@ -79,7 +80,7 @@ def test_the_least_of_some_causes_is_what_the_whole_problem_loses_without_it(see
     base, whole = list(MODEL), least(x, y, [*MODEL, *CAUSES])
     lost = min(least(x, y, [*MODEL, k]) - whole for k in CAUSES)
     p = Projection(gram_of(x, y), base)
-    assert least_part(p, CAUSES, np.zeros(2), [[k] for k in CAUSES]) == pytest.approx(lost, rel=1e-6, abs=1e-6)
+    assert Without(p, CAUSES, np.zeros(2)).least_part([[k] for k in CAUSES]) == pytest.approx(lost, rel=1e-6, abs=1e-6)
 
 
 @pytest.mark.parametrize(("unit", "stands"), [(1.0, False), (0.1, True)])
@@ -155,7 +156,8 @@ def test_causes_that_add_up_to_one_force_are_refused_and_two_causes_are_not(seed
     x[:, 3] = x[:, 2] + 0.1 * x[:, 6] + 0.001 * rng.standard_normal(400)
     for truth, refused in (((-20.0, 20.0), True), ((-18.0, 20.0), False), ((3.0, 0.0), False)):
         y = x[:, CAUSES] @ truth + rng.standard_normal(400)
-        fall, alone, _ = in_their_place(Projection(gram_of(x, y), MODEL), CAUSES, np.zeros(2), FORCES)
+        without = Without(Projection(gram_of(x, y), MODEL), CAUSES, np.zeros(2))
+        fall, (alone, _) = without.fall, without.by_forces(FORCES)
         said = ONE_FORCE.refuses(Together(("a", "b"), fall, 2, "u^3 in yaw", float(alone.max())))
         assert (said is not None) == refused
     assert "a and b explain" in ONE_FORCE.refuses(Together(("a", "b"), 90.0, 2, "u^3 in yaw", 89.0)).sentence
@@ -170,7 +172,8 @@ def test_a_cause_that_one_force_beats_in_its_place_is_refused(seed):
     x[:, cause] = x[:, force] + 0.7 * rng.standard_normal(400)
     for truth, refused in ((force, True), (cause, False)):
         y = x[:, truth] + rng.standard_normal(400)
-        fall, alone, kept = in_their_place(Projection(gram_of(x, y), MODEL), [cause], np.zeros(1), FORCES)
+        without = Without(Projection(gram_of(x, y), MODEL), [cause], np.zeros(1))
+        fall, (alone, kept) = without.fall, without.by_forces(FORCES)
         # Beside the force that is the truth hardly anything is left; beside a force of another part of the errors all is.
         assert (kept[0] < REPLACED * fall) == refused and kept[1:].min() > 0.8 * fall
         said = BETTER_FORCE.refuses(Together(("a",), fall, 1, "u^3 in yaw", float(alone.max())))

@@ -14,19 +14,19 @@ from ivsid.log import read_log
 from ivsid.vehicle import read_vehicle
 
 # A dictionary of 170 regressors of which two stand out.
-QUIET = {f"surge|f{k}": 0.5 for k in range(168)}
+QUIET = {f"f{k} in surge": 0.5 for k in range(168)}
 
 
 def dictionary(psi, u):
-    return {**QUIET, "yaw|sin 2 psi": psi, "surge|u^2": u}
+    return {**QUIET, "sin 2 psi in yaw": psi, "u^2 in surge": u}
 
 
 @pytest.mark.parametrize(
     ("here", "there", "found"),
     [
         # A fall of 25 over 170 regressors comes once in eight thousand logs; of 25 on both logs together it is none.
-        (dictionary(25.5, 1.0), dictionary(29.4, 2.0), "yaw|sin 2 psi"),
-        (dictionary(-25.5, 1.0), dictionary(-29.4, 2.0), "yaw|sin 2 psi"),
+        (dictionary(25.5, 1.0), dictionary(29.4, 2.0), "sin 2 psi in yaw"),
+        (dictionary(-25.5, 1.0), dictionary(-29.4, 2.0), "sin 2 psi in yaw"),
         # The same force pushes the other way on the other log, or only one of them shows it.
         (dictionary(25.5, 1.0), dictionary(-29.4, 2.0), None),
         (dictionary(45.0, 1.0), dictionary(8.5, 2.0), None),
@@ -43,10 +43,18 @@ def test_a_regressor_stands_out_of_both_logs_with_one_sign(here, there, found):
         assert said[1:] == (pytest.approx(fall), pytest.approx(chi2.sf(fall, 2) * len(here)))
 
 
+def test_a_force_with_all_its_channels_is_the_same_whatever_channel_has_most_of_it():
+    """A thruster beside the keel turns a hull that is held and pushes one that is free; a force of one channel is another in each."""
+    fall = "fall of the thrust of port with its heat of 60 s in {}"
+    found = together({**QUIET, fall.format("yaw"): 25.5}, {**QUIET, fall.format("surge"): 29.4})
+    assert found is not None and found[:2] == (fall.format("yaw"), pytest.approx(54.9))
+    assert together({**QUIET, "u in yaw": 25.5}, {**QUIET, "u in surge": 29.4}) is None
+
+
 def test_chance_alone_shows_no_structure():
     """Of a hundred thousand pairs of dictionaries with nothing in them about one stands out."""
     rng = np.random.default_rng(0)
-    names, count, found = [f"surge|f{k}" for k in range(170)], 0, 0
+    names, count, found = [f"f{k} in surge" for k in range(170)], 0, 0
     while count < 100_000:
         scores = rng.normal(size=(2, 2000, 170))
         # Pairs that cannot reach the limit need no closer look.
@@ -77,7 +85,7 @@ def test_a_log_in_doubt_is_asked_beside_the_other(monkeypatch, chances, carried,
     before = adequacy(*chances)
     monkeypatch.setattr(shared_structure, "carried_to", lambda *_: ("noise", "states") if carried else None)
     monkeypatch.setattr(shared_structure, "survey", lambda *_: "there")
-    monkeypatch.setattr(shared_structure, "_lasting", lambda *_: ("yaw|sin 2 psi", 54.9, 2e-10))
+    monkeypatch.setattr(shared_structure, "_lasting", lambda *_: ("sin 2 psi in yaw", 54.9, 2e-10))
     found = with_shared(before, Fitted(), "other", "test.csv")
     assert (found is not before) is shown
     if shown:

@@ -16,7 +16,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.selection import speed_curves as speed_curves_module
 from ivsid.diagnosis.selection.force_rules import BETTER_CURVE, Curve
-from ivsid.diagnosis.selection.in_their_place import curve_in_their_place
+from ivsid.diagnosis.selection.in_their_place import Without
 from ivsid.diagnosis.selection.speed_curves import SPEEDS, speed_curves
 from ivsid.vehicle import parse_vehicle
 from test_one_force import CAUSES, FORCES, MODEL, gram_of, least
@@ -33,7 +33,7 @@ def test_the_curves_fall_is_that_of_all_its_columns(seed):
     x, y = rng.standard_normal((80, 7)) * rng.uniform(0.1, 10.0, 7), rng.standard_normal(80)
     held = rng.standard_normal(2)
     g = gram_of(x, y - x[:, CAUSES] @ held)
-    alone, left, directions = curve_in_their_place(Projection(g, MODEL), CAUSES, held * g.unit[list(CAUSES)], FORCES)
+    alone, left, directions = Without(Projection(g, MODEL), CAUSES, held * g.unit[list(CAUSES)]).by_curve(FORCES)
     bare, curve = least(x, y, [*MODEL]), least(x, y, [*MODEL, *FORCES])
     assert directions == len(FORCES)
     assert alone == pytest.approx(bare - curve, rel=1e-5, abs=1e-6)
@@ -45,7 +45,7 @@ def test_columns_that_say_the_same_count_once():
     x, y = rng.standard_normal((80, 7)), rng.standard_normal(80)
     x[:, FORCES[2]] = x[:, FORCES[0]] - x[:, FORCES[1]]
     g = gram_of(x, y)
-    alone, _, directions = curve_in_their_place(Projection(g, MODEL), CAUSES, np.zeros(2), FORCES)
+    alone, _, directions = Without(Projection(g, MODEL), CAUSES, np.zeros(2)).by_curve(FORCES)
     assert directions == 2
     assert alone == pytest.approx(least(x, y, [*MODEL]) - least(x, y, [*MODEL, *FORCES[:2]]), rel=1e-5)
 

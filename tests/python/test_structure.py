@@ -313,7 +313,7 @@ def test_the_other_log_is_asked_where_a_thrust_error_is_far_outside(far, leaving
     monkeypatch.setattr(stages, "plain_fit", lambda *given: asked.append(given) or "other fit")
     monkeypatch.setattr(stages, "adequacy", lambda q: there if q == "other fit" else here)
     monkeypatch.setattr(stages, "motion_of", lambda *_: ())
-    found, motion = stages._judged(fit, None, None, SimpleNamespace(name="test.csv"), "other log")
+    found, motion = stages._judged(fit, None, None, SimpleNamespace(name="test.csv"), "other log", None)
     assert bool(asked) is (far > 2.0) and found.elsewhere == verdict and found.quiet is not bool(verdict)
     assert (motion is None) is not bool(verdict)
     if verdict:
@@ -329,4 +329,4 @@ def test_a_log_that_no_model_follows_says_nothing_of_the_other(monkeypatch):
     fit = SimpleNamespace(noise=SimpleNamespace(predictor=SimpleNamespace(vehicle=None)))
     monkeypatch.setattr(stages, "adequacy", lambda _: here)
     monkeypatch.setattr(stages, "plain_fit", refused)
-    assert stages._judged(fit, None, None, SimpleNamespace(name="test.csv"), None) == (here, None)
+    assert stages._judged(fit, None, None, SimpleNamespace(name="test.csv"), None, None) == (here, None)

@@ -7,12 +7,13 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import TypeAlias
 
 import numpy as np
 
 from ivsid.diagnosis.candidates.families import everything, score
-from ivsid.diagnosis.data.channels import Channels, channels
+from ivsid.diagnosis.data.channels import Channels, on_one_origin
+from ivsid.diagnosis.data.one_run import note, one_run
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.learning import plain_fit
@@ -59,9 +60,8 @@ from ivsid.setup import SetupFinding, examined
 from ivsid.tubes.reached import TubeCheck
 from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
 
-# Times above this are seconds since 1970 and are counted from the log's first sample [s].
-# Source: definition: 1e8 s is more than three years
-EPOCH: Final = 1e8
+# The other log, and the same if it is of another run.
+Others: TypeAlias = "tuple[Channels, Channels | None]"
 
 
 # A candidate that runs away is rejected by its chi-squared, so its overflows are not reported.
@@ -97,13 +97,13 @@ def diagnose(
     """
     vehicle = vehicle_of(vehicle)
     train, test = log_of(train, vehicle.log), log_of(test, vehicle.log)
-    log, other, fit, proof, doubts = _fitted(vehicle, train, test, progress)
+    other, run, fit, proof, doubts = _fitted(vehicle, train, test, progress)
     visible = visibility(fit)
-    calibrating, nothing, judging, limits = _asked_of(fit, visible, (train, test), other, proof, seed)
+    calibrating, nothing, judging, limits = _asked_of(fit, visible, (train, test), (other, run), proof, seed)
     scored, looks = score(fit), Looks(seed, null_logs, cache, progress)
     test_of = Threshold(calibrating.result(), visible)
     progress("looking for causes")
-    selection = _named(fit, scored, test_of, other, progress)
+    selection = _named(fit, scored, test_of, run, progress)
     passed = _undecided(selection, judging)
     # A sufficient model is asked for its motion only where causes are named, and null logs leave time for it meanwhile.
     moving = Apart(
@@ -114,7 +114,7 @@ def diagnose(
     confirmation = confirmed(fit, test_of, passed, looks, selection.last)
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
         progress("looking again, at the threshold of the null logs")
-        selection = _named(fit, scored, confirmation.test, other, progress)
+        selection = _named(fit, scored, confirmation.test, run, progress)
     # Most findings stand, so their model is tried while they are examined, and the other log is asked of its water.
     trial = Trial(other, selection, seed, tried, nothing)
     shoaling = Apart(partial(change, selection.last, other, sounded(train, test)))
@@ -143,7 +143,9 @@ def diagnose(
         complete = _complete(rest, proof, vehicle, train)
     trial.look()
     proved, extended = (
-        proved_findings(findings, vehicle, train, trial.model, running=log.running) if complete else (findings, None)
+        proved_findings(findings, vehicle, train, trial.model, running=fit.noise.predictor.log.running)
+        if complete
+        else (findings, None)
     )
     progress("trying both models on the other log")
     water = shoaling.result()
@@ -182,7 +184,7 @@ def diagnose(
     said = [
         n
         for n in (
-            _twice(train, test),
+            note(train, test),
             confirmation.note,
             structure.note,
             proof.sentence(verdict) if proof.refuted and complete == rest.sufficient else "",
@@ -207,7 +209,7 @@ def diagnose(
         seed,
         (proof, extended),
         motion,
-        (*log.notes, *train.notes, *left_out_note(fit), *said),
+        (*fit.noise.predictor.log.notes, *train.notes, *left_out_note(fit), *said),
         claimed,
         withdrawn,
         water,
@@ -217,7 +219,7 @@ def diagnose(
 
 
 def _asked_of(
-    fit: Fit, visible: Mapping[str, Visibility], logs: tuple[Log, Log], other: Channels, proof: Proof, seed: int
+    fit: Fit, visible: Mapping[str, Visibility], logs: tuple[Log, Log], others: Others, proof: Proof, seed: int
 ) -> tuple[
     Apart[Calibration],
     Apart[Gain],
@@ -232,8 +234,8 @@ def _asked_of(
     tested = frozenset(i for i, v in visible.items() if v.tested)
     tasks = (
         Apart(partial(calibrate, fit, tested, NAMES, seed), begun=False),
-        Apart(partial(unchanged, other, fit, seed), begun=False),
-        Apart(partial(_judged, fit, proof, *logs, other), begun=False, late=True),
+        Apart(partial(unchanged, others[0], fit, seed), begun=False),
+        Apart(partial(_judged, fit, proof, *logs, *others), begun=False, late=True),
     )
     in_turn(*tasks)
     # The limits are asked for last and by nothing else: they fill what the other processes leave of the processors from now on.
@@ -241,7 +243,7 @@ def _asked_of(
 
 
 def _named(
-    fit: Fit, scored: tuple[Fit, list[Scored]], test: Threshold, other: Channels, progress: Callable[[str], None]
+    fit: Fit, scored: tuple[Fit, list[Scored]], test: Threshold, other: Channels | None, progress: Callable[[str], None]
 ) -> Selection:
     """The causes; one whose numbers may all be none, and that others came close to, makes place for them and stands beside."""
     selection = select(fit, scored, test, other, progress)
@@ -300,7 +302,7 @@ def _left(
 
 
 def _judged(
-    fit: Fit, proof: Proof, train: Log, test: Log, other: Channels
+    fit: Fit, proof: Proof, train: Log, test: Log, other: Channels, run: Channels | None
 ) -> tuple[Adequacy, tuple[TubeCheck, ...] | None]:
     """Adequacy of the model as it was, and the motion that it allows, or None: an adequate model is asked by its rows alone."""
     before = adequacy(fit)
@@ -309,7 +311,8 @@ def _judged(
         with suppress(IvsidError):
             there = adequacy(plain_fit(fit.noise.predictor.vehicle, other, everything))
             before = before.with_thrusts_of(there, test.name)
-    before = with_shared(before, fit, other, test.name)
+    if run is not None:
+        before = with_shared(before, fit, run, test.name)
     return before, None if before.quiet else motion_of(proof, train, test)
 
 
@@ -348,8 +351,8 @@ def _complete(left: Left, proof: Proof, vehicle: Vehicle, train: Log) -> bool:
 
 def _fitted(
     vehicle: Vehicle, train: Log, test: Log, progress: Callable[[str], None]
-) -> tuple[Channels, Channels, Fit, Proof, tuple[SetupFinding, ...]]:
-    """Both logs on their clocks, the vehicle file's model fitted to the first, and beside the fit what is proved of it, and doubts of the set-up.
+) -> tuple[Channels, Channels | None, Fit, Proof, tuple[SetupFinding, ...]]:
+    """The other log on its clock, the same if it is of another run, the vehicle file's model fitted to the first, and beside the fit what is proved of it, and doubts of the set-up.
 
     Raises:
         IvsidError: a wrong set-up that is beyond doubt, which comes before all other reasons and before any fit, or a log that no numbers follow.
@@ -366,7 +369,7 @@ def _fitted(
 
     progress("fitting the model")
     try:
-        log, other = _on_one_origin(train, test, vehicle)
+        log, other = on_one_origin(train, test, vehicle)
         fit = plain_fit(vehicle, log, looked_for)
         proof = upheld(proving.result(), running=fit.noise.predictor.log.running)
     except IvsidError:
@@ -379,21 +382,9 @@ def _fitted(
         proving.end()
     for one in doubts:
         progress(f"set-up: {one.sentence}")
-    log = fit.noise.predictor.log
-    return log, replace(other, running=log.running), fit, proof, tuple(doubts)
-
-
-def _on_one_origin(train: Log, test: Log, vehicle: Vehicle) -> tuple[Channels, Channels]:
-    """Both logs on their clocks, with times since 1970 counted from the first sample of TRAIN."""
-    origin = float(train.t[0]) if max(train.t[0], test.t[0]) > EPOCH else None
-    return channels(train, vehicle, origin), channels(test, vehicle, origin)
-
-
-def _twice(train: Log, test: Log) -> str:
-    """A note where both logs are one run, or nothing."""
-    if not train.same_samples(test):
-        return ""
-    return f"{test.name} has the same samples as {train.name}: what the extended model gains on it proves nothing; give a log of another run"
+    other = replace(other, running=fit.noise.predictor.log.running)
+    # Samples of one run say nothing of one another.
+    return other, None if one_run(train, test) else other, fit, proof, tuple(doubts)
 
 
 def _limited(visible: Mapping[str, Visibility], least: Mapping[str, Mapping[str, float]]) -> dict[str, Visibility]:

@@ -9,6 +9,7 @@ A log comes with the clocks of its sensors, with gaps, and with sensors that sta
 4. ``resampling``: readings and demands are looked up on that clock, and samples without readings are marked;
    ``between`` holds the demands inside its steps, and where the readings of its samples were taken.
 
+``one_run`` says whether two logs hold samples of one run, so that the second is no evidence of its own.
 ``sensor_noise`` estimates the white noise of each channel from its own scatter, and ``channels`` calls the steps in order.
 
 Nothing is filled in beyond a single lost sample: the later stages count only the samples that are marked as good.

@@ -47,6 +47,9 @@ WHOLE: Final = 1e-6
 # Noise of a yaw rate that differences of the heading give, over its scatter: it corrects no filter.
 # Source: definition: such a reading changes a filtered rate by less than a millionth
 UNREAD: Final = 1e3
+# Times above this are seconds since 1970 and are counted from the log's first sample [s].
+# Source: definition: 1e8 s is more than three years
+EPOCH: Final = 1e8
 
 
 @dataclass(frozen=True)
@@ -295,3 +298,9 @@ def _between(vehicle: Vehicle, resample: Resampler, parts: int, read: tuple[int,
         if thruster.rudder is not None:
             rudders[k] = resample.between(f"rudder_{thruster.name}", parts)
     return Between(demands, angles, rudders, read)
+
+
+def on_one_origin(train: Log, test: Log, vehicle: Vehicle) -> tuple[Channels, Channels]:
+    """Both logs on their clocks, with times since 1970 counted from the first sample of TRAIN."""
+    origin = float(train.t[0]) if max(train.t[0], test.t[0]) > EPOCH else None
+    return channels(train, vehicle, origin), channels(test, vehicle, origin)

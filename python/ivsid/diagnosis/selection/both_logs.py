@@ -43,16 +43,16 @@ class OtherLog:
     changed: Mapping[str, Refusal]
 
 
-def on_other_log(last: Fit, found: Sequence[Found], other: Channels) -> OtherLog:
+def on_other_log(last: Fit, found: Sequence[Found], other: Channels | None) -> OtherLog:
     """What another run of the same vehicle says of causes; nothing where its numbers cannot be fitted.
 
     Args:
         last: fit of the model with all causes.
         found: the causes.
-        other: the other log.
+        other: the other log; None where there is no other run.
     """
     nothing = OtherLog({}, {})
-    if not any(f.first.candidate.sums or _of_thrusters(f) for f in found):
+    if other is None or not any(f.first.candidate.sums or _of_thrusters(f) for f in found):
         return nothing
     try:
         if (carried := carried_to(last, other)) is None:
@@ -74,8 +74,10 @@ def changed(here: Fit, there: Fit, found: Sequence[Found]) -> Mapping[str, Refus
         found: the causes.
     """
     before, after = held_numbers(here), held_numbers(there)
-    fitted = {fit.gram.names[k] for fit in (here, there) for k in fit.base} & before.keys()
-    own = {n: f.id for f in found if _of_thrusters(f) for n in fitted if is_of(n, f.id) and before[n] != 0}
+    asked, known = [f.id for f in found if _of_thrusters(f)], {there.gram.names[k] for k in there.base}
+    names = [n for k in here.base if (n := here.gram.names[k]) in known and before.get(n, 0.0) != 0]
+    # A cause of one thruster has a longer id than that of all.
+    own = {n: max(ids, key=len) for n in names if (ids := [i for i in asked if is_of(n, i)])}
     values = {n: before[n] for n in own}
     if not own:
         return {}
@@ -90,10 +92,13 @@ def changed(here: Fit, there: Fit, found: Sequence[Found]) -> Mapping[str, Refus
     sigma = np.sqrt(np.diag(beside.noise))
     worst = [beside.worst(e) for e in np.eye(len(own))]
     z = (np.abs(beside.mean) - worst - ALIKE) / sigma
-    cases = {i: Changed(i, 1.0 + float(m), float(x)) for i, m, x in zip(own.values(), beside.mean, z, strict=True)}
-    others = {i: [f.id for f in found if f.id != i] for i in cases}
-    said = {i: SAME_NUMBER.refuses(case, others[i]) for i, case in cases.items()}
-    return {i: r for i, r in said.items() if r is not None}
+    # Of a cause with several numbers the one that changes farthest counts.
+    refused: dict[str, Refusal] = {}
+    for id_, m, x in sorted(zip(own.values(), beside.mean, z, strict=True), key=lambda one: float(one[2])):
+        said = SAME_NUMBER.refuses(Changed(id_, 1.0 + float(m), float(x)), [f.id for f in found if f.id != id_])
+        if said is not None:
+            refused[id_] = said
+    return refused
 
 
 def _of_thrusters(one: Found) -> bool:

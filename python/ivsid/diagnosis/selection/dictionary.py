@@ -80,6 +80,12 @@ def regressors(fit: Fit, *, turning: bool = False) -> tuple[list[str], Array, Ar
     return [*names, *(name for name, _ in read)], x.reshape(-1, *g.y.shape), unit
 
 
+def in_words(name: str) -> str:
+    """``function in channel`` of a regressor ``channel|function``."""
+    channel, function = name.split("|", 1)
+    return f"{function} in {channel}"
+
+
 def _dictionary(fit: Fit, *, turning: bool) -> tuple[list[str], list[Array]]:
     """Names ``channel|function`` of the regressors and their accelerations, each of shape (3, 2 n)."""
     p = fit.states.points

@@ -5,8 +5,9 @@ Source: docs/theory.md, "Diagnosis".
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, Self
 
 import numpy as np
@@ -51,14 +52,14 @@ class InPlace:
 
     def beside(self, other: Self) -> InPlace:
         """The same on two logs together, each with numbers of its own; of forces that both have."""
-        known = self.alone.keys() & other.alone.keys()
+        known = same_forces(self.alone, other.alone)
         return InPlace(
             self.fall + other.fall,
             self.least + other.least,
             {i: tuple(a + b for a, b in zip(x, other.own[i], strict=True)) for i, x in self.own.items()},
-            {f: x + other.alone[f] for f, x in self.alone.items() if f in known},
-            {f: x + other.kept[f] for f, x in self.kept.items() if f in known},
-            self.odd | other.odd,
+            {f: self.alone[f] + other.alone[there] for f, there in known.items()},
+            {f: self.kept[f] + other.kept[there] for f, there in known.items()},
+            self.odd | {f for f, there in known.items() if there in other.odd},
             " on both logs together",
         )
 
@@ -79,74 +80,93 @@ class InPlace:
         )
 
 
-def curve_in_their_place(
-    p: Projection, columns: Sequence[int], held: Array, curve: Sequence[int]
-) -> tuple[float, float, int]:
-    """Fall of chi-squared by a curve of several columns in the place of causes, by the causes beside it, and its directions.
+@dataclass(frozen=True)
+class Without:
+    """Least squares on a model without some causes, and what explains the errors in their place.
 
-    Args:
-        p: least squares on all that is neither.
+    Attributes:
+        p: least squares on all that is neither the causes nor in their place.
         columns: of the causes.
         held: their coefficients that the errors no longer hold, in unit lengths, shape (columns,).
-        curve: columns of the curve.
     """
-    columns, curve = list(columns), list(curve)
-    H, G, between = p.information(columns), p.information(curve), p.left(curve, columns)
-    mine, own = p.left_score[columns] + H @ held, p.left_score[curve] + between @ held
-    values, vectors = np.linalg.eigh(G)
-    kept = values > NOTHING_LEFT * max(float(values.max()), 1e-300)
-    inverse = (vectors[:, kept] / values[kept]) @ vectors[:, kept].T
-    beside = _fall(
-        H - between.T @ inverse @ between, mine - between.T @ (inverse @ own), float(np.linalg.eigvalsh(H).max())
-    )
-    return float(own @ inverse @ own), beside, int(kept.sum())
+
+    p: Projection
+    columns: Sequence[int]
+    held: Array
+
+    @cached_property
+    def _known(self) -> tuple[Array, Array, float]:
+        """Information on the causes, their scores with what the hypothesis has taken out of the errors, and the largest eigenvalue."""
+        columns = list(self.columns)
+        H = self.p.information(columns)
+        score = self.p.left_score[columns] + self.p.left(columns, columns) @ self.held
+        return H, score, float(np.linalg.eigvalsh(H).max())
+
+    @property
+    def fall(self) -> float:
+        """Fall of chi-squared by the causes together."""
+        return _fall(*self._known)
+
+    def least_part(self, parts: Sequence[Sequence[int]]) -> float:
+        """Least fall that one of the causes brings beside the others of them.
+
+        Args:
+            parts: columns of each cause.
+        """
+        H, score, largest = self._known
+        others = [[i for i, k in enumerate(self.columns) if k not in part] for part in parts]
+        most = max((_fall(H[np.ix_(at, at)], score[at], largest) for at in others if at), default=0.0)
+        return self.fall - most
+
+    def by_forces(self, forces: Sequence[int]) -> tuple[Array, Array]:
+        """Falls by each force in their place, and by the causes beside it, shape (forces,).
+
+        Args:
+            forces: columns of which one at a time replaces the causes.
+        """
+        p, forces = self.p, list(forces)
+        H, score, largest = self._known
+        own = np.array([p.left([k], [k])[0, 0] for k in forces]) + p.g.prior[forces]
+        real = own > NOTHING_LEFT * np.maximum(np.diag(p.total)[forces], 1e-300)
+        between = p.left(forces, list(self.columns))
+        alone = p.left_score[forces] + between @ self.held
+        inverse = np.where(real, 1.0 / np.where(real, own, 1.0), 0.0)
+        # Both together, less the force alone.
+        beside = H[None] - inverse[:, None, None] * between[:, :, None] * between[:, None, :]
+        scores = score[None] - (inverse * alone)[:, None] * between
+        kept = np.array([_fall(x, y, largest) for x, y in zip(beside, scores, strict=True)])
+        return inverse * alone**2, kept
+
+    def by_curve(self, curve: Sequence[int]) -> tuple[float, float, int]:
+        """Falls by a curve of several columns in their place, and by the causes beside it, and its directions.
+
+        Args:
+            curve: its columns.
+        """
+        p, curve = self.p, list(curve)
+        H, score, largest = self._known
+        G, between = p.information(curve), p.left(curve, list(self.columns))
+        own = p.left_score[curve] + between @ self.held
+        values, vectors = np.linalg.eigh(G)
+        kept = values > NOTHING_LEFT * max(float(values.max()), 1e-300)
+        inverse = (vectors[:, kept] / values[kept]) @ vectors[:, kept].T
+        beside = _fall(H - between.T @ inverse @ between, score - between.T @ (inverse @ own), largest)
+        return float(own @ inverse @ own), beside, int(kept.sum())
 
 
-def in_their_place(
-    p: Projection, columns: Sequence[int], held: Array, forces: Sequence[int]
-) -> tuple[float, Array, Array]:
-    """Fall of chi-squared by some columns together, by each force in their place, and by them beside each force, shape (forces,).
+def same_forces(here: Iterable[str], there: Iterable[str]) -> dict[str, str]:
+    """Forces of a log that another one has as well, by their names on both.
 
     Args:
-        p: least squares on all that is neither.
-        columns: of the causes.
-        held: their coefficients that the errors no longer hold, in unit lengths, shape (columns,).
-        forces: columns of which one at a time replaces the causes.
+        here: names of forces, ``function in channel``.
+        there: those of the other log. A force with all its channels has the name of the one in which most of it is, which may differ.
     """
-    columns, forces = list(columns), list(forces)
-    # What the hypothesis has taken out of the errors goes back into the scores.
-    H = p.information(columns)
-    score = p.left_score[columns] + p.left(columns, columns) @ held
-    largest = float(np.linalg.eigvalsh(H).max())
-    fall = _fall(H, score, largest)
-    own = np.array([p.left([k], [k])[0, 0] for k in forces]) + p.g.prior[forces]
-    real = own > NOTHING_LEFT * np.maximum(np.diag(p.total)[forces], 1e-300)
-    between = p.left(forces, columns)
-    alone = p.left_score[forces] + between @ held
-    inverse = np.where(real, 1.0 / np.where(real, own, 1.0), 0.0)
-    # Both together, less the force alone.
-    beside = H[None] - inverse[:, None, None] * between[:, :, None] * between[:, None, :]
-    scores = score[None] - (inverse * alone)[:, None] * between
-    kept = np.array([_fall(x, y, largest) for x, y in zip(beside, scores, strict=True)])
-    return fall, inverse * alone**2, kept
+    known = {_unique(f): f for f in there}
+    return {f: known[_unique(f)] for f in here if _unique(f) in known}
 
 
-def least_part(p: Projection, columns: Sequence[int], held: Array, parts: Sequence[Sequence[int]]) -> float:
-    """Least fall of chi-squared that one of several causes brings beside the others of them.
-
-    Args:
-        p: least squares on all that is none of them.
-        columns: of the causes.
-        held: their coefficients that the errors no longer hold, in unit lengths, shape (columns,).
-        parts: columns of each cause.
-    """
-    columns = list(columns)
-    H = p.information(columns)
-    score = p.left_score[columns] + p.left(columns, columns) @ held
-    largest = float(np.linalg.eigvalsh(H).max())
-    others = [[i for i, k in enumerate(columns) if k not in part] for part in parts]
-    most = max((_fall(H[np.ix_(at, at)], score[at], largest) for at in others if at), default=0.0)
-    return _fall(H, score, largest) - most
+def _unique(force: str) -> str:
+    return force.rsplit(" in ", 1)[0] if force.startswith(EVERYWHERE) else force
 
 
 def _fall(H: Array, score: Array, largest: float) -> float:

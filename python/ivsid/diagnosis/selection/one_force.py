@@ -32,7 +32,7 @@ from ivsid.diagnosis.null.gradual import gradual_forces
 from ivsid.diagnosis.null.modulated import FALL
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.usual_hull import hull_limits
-from ivsid.diagnosis.selection.dictionary import regressors
+from ivsid.diagnosis.selection.dictionary import in_words, regressors
 from ivsid.diagnosis.selection.force_rules import (
     BETTER_CURVE,
     BETTER_FORCE,
@@ -44,15 +44,7 @@ from ivsid.diagnosis.selection.force_rules import (
     Together,
 )
 from ivsid.diagnosis.selection.hulls import BEYOND
-from ivsid.diagnosis.selection.in_their_place import (
-    REPLACED,
-    InPlace,
-    curve_in_their_place,
-    held_numbers,
-    in_their_place,
-    is_of,
-    least_part,
-)
+from ivsid.diagnosis.selection.in_their_place import REPLACED, InPlace, Without, held_numbers, is_of
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.speed_curves import speed_curves, words
 
@@ -168,7 +160,7 @@ class Forces:
         known, x, unit = regressors(fit)
         g = fit.gram.only(fit.base)
         held = np.array([numbers.get(n, 0.0) for n in names]) * g.unit
-        forces = [f"{function} in {channel}" for channel, function in (n.split("|", 1) for n in known)]
+        forces = [in_words(n) for n in known]
         wide = g.joined(forces, x, unit)
         slow, x, unit = gradual_forces(fit)
         if slow:
@@ -188,10 +180,10 @@ class Forces:
 
         return cls(own, held, wide, forces, curves, groups, hull, boxed, free)
 
-    def _without(self, ids: Iterable[str]) -> tuple[Projection, list[int], Array]:
-        """Least squares on the model without some causes, with their columns and what the errors no longer hold of them."""
+    def _without(self, ids: Iterable[str]) -> Without:
+        """The model without some causes."""
         at = [k for i in ids for k in self.own[i]]
-        return Projection(self.wide, [k for k in range(self.held.size) if k not in at]), at, self.held[at]
+        return Without(Projection(self.wide, [k for k in range(self.held.size) if k not in at]), at, self.held[at])
 
     def _curve(self, group: range) -> list[int]:
         """Columns of a curve."""
@@ -203,14 +195,13 @@ class Forces:
         Args:
             ids: of the causes.
         """
-        p, at, held = self._without(ids)
-        first = self.held.size
-        fall, alone, kept = in_their_place(p, at, held, range(first, first + len(self.forces)))
-        own = dict(zip(at, in_their_place(p, at, held, at)[1].tolist(), strict=True))
-        usual = self._of_hulls(p, at, held)
+        left, first = self._without(ids), self.held.size
+        alone, kept = left.by_forces(range(first, first + len(self.forces)))
+        own = dict(zip(left.columns, left.by_forces(left.columns)[0].tolist(), strict=True))
+        usual = self._of_hulls(left)
         return InPlace(
-            fall,
-            least_part(p, at, held, [self.own[i] for i in ids]),
+            left.fall,
+            left.least_part([self.own[i] for i in ids]),
             {i: tuple(own[k] for k in self.own[i]) for i in ids},
             dict(zip(self.forces, alone.tolist(), strict=True)),
             dict(zip(self.forces, kept.tolist(), strict=True)),
@@ -226,48 +217,43 @@ class Forces:
         """
         case = self.in_place(ids)
         refusal = by_one_force(case, others)
-        p, at, held = self._without(ids)
+        without = self._without(ids)
         for group in self.groups:
             # Any function of a velocity explains more beside soft errors than a cause whose evidence is that they have to keep their bounds.
             if refusal is not None or self.boxed >= set(ids):
                 break
-            shape, left, directions = curve_in_their_place(p, at, held, self._curve(group))
+            shape, left, directions = without.by_curve(self._curve(group))
             if left <= REPLACED * case.least:
-                whole, _, _ = in_their_place(*self._without({*ids, *self.spanned(group)}), self._curve(group)[:1])
-                curve = Curve(
-                    tuple(ids), case.fall, len(at), words(self.curves, group), shape, directions=directions, whole=whole
-                )
+                whole = self._without({*ids, *self.spanned(group)}).fall
+                numbers, said = len(without.columns), words(self.curves, group)
+                curve = Curve(tuple(ids), case.fall, numbers, said, shape, directions=directions, whole=whole)
                 refusal = BETTER_CURVE.refuses(curve, others)
                 if refusal is not None and self.free is not None:
                     # A thrust curve inside its accuracy may make what the function adds to the causes.
-                    beside = self._beside_thrusts(curve, self.free(), at, held, group)
-                    refusal = BETTER_CURVE.refuses(beside, others)
+                    refusal = BETTER_CURVE.refuses(self._beside_thrusts(curve, self.free(), without, group), others)
         return refusal
 
-    def _beside_thrusts(self, curve: Curve, g: Gram, at: Sequence[int], held: Array, group: range) -> Curve:
+    def _beside_thrusts(self, curve: Curve, g: Gram, without: Without, group: range) -> Curve:
         """A function of a velocity in the place of causes, beside any thrust curve.
 
         Args:
             curve: the same beside the thrusts of the fit.
             g: cross-products of the model, any thrust curve and all functions.
-            at: columns of the causes.
-            held: their coefficients that the errors no longer hold, in unit lengths.
+            without: the model without the causes.
             group: columns of the function, among those of all.
         """
         first = len(g.names) - len(self.curves)
-        p = Projection(g, [k for k in range(first) if k not in at])
-        shape, _, directions = curve_in_their_place(p, at, held, [first + k for k in group])
-        fall, _, _ = in_their_place(p, at, held, [first])
-        return replace(curve, fall=fall, alone=shape, directions=directions)
+        free = replace(without, p=Projection(g, [k for k in range(first) if k not in without.columns]))
+        shape, _, directions = free.by_curve([first + k for k in group])
+        return replace(curve, fall=free.fall, alone=shape, directions=directions)
 
-    def _of_hulls(self, p: Projection, at: Sequence[int], held: Array) -> NDArray[np.bool_]:
+    def _of_hulls(self, without: Without) -> NDArray[np.bool_]:
         """Whether the numbers of the model are ones that a hull may have, with each force in the place of causes, shape (forces,).
 
         Args:
-            p: least squares on the model without the causes.
-            at: columns of the causes.
-            held: their coefficients that the errors no longer hold, in unit lengths.
+            without: the model without the causes.
         """
+        p, at, held = without.p, list(without.columns), without.held
         g, first = self.wide, self.held.size
         k = list(range(first, first + len(self.forces)))
         own = np.array([p.left([i], [i])[0, 0] for i in k]) + g.prior[k]
@@ -289,11 +275,9 @@ class Forces:
         """Causes that a function of one velocity replaces, with their falls of chi-squared."""
         found: dict[str, float] = {}
         for id_ in self.own:
-            p, at, held = self._without([id_])
-            fall, _, _ = in_their_place(p, at, held, self._curve(group)[:1])
-            _, left, _ = curve_in_their_place(p, at, held, self._curve(group))
-            if left <= REPLACED * fall:
-                found[id_] = fall
+            without = self._without([id_])
+            if without.by_curve(self._curve(group))[1] <= REPLACED * without.fall:
+                found[id_] = without.fall
         return found
 
     def outlined(self, rough: AbstractSet[str], others: Sequence[str]) -> dict[str, Refusal]:

@@ -85,7 +85,7 @@ def select(
     plain: Fit,
     first: tuple[Fit, list[Scored]],
     passes: Threshold,
-    other: Channels,
+    other: Channels | None,
     progress: Progress = lambda _: None,
 ) -> Selection:
     """Adds causes while one passes the test, and reviews the earlier ones after each.
@@ -94,7 +94,7 @@ def select(
         plain: fit of the model without causes.
         first: the same with the columns of searched causes, and the scores of all (``score``).
         passes: the test.
-        other: the other log, which is asked of causes that this one shows.
+        other: the log of another run, which is asked of causes that this one shows; None asks none.
         progress: told of each candidate.
     """
     fit, scored = first
@@ -153,14 +153,14 @@ def select(
     return _kept(chosen, screened, passes.level, other)
 
 
-def _kept(chosen: Selection, screened: Screened, level: float, other: Channels) -> Selection:
+def _kept(chosen: Selection, screened: Screened, level: float, other: Channels | None) -> Selection:
     """The selection without causes that imitate something which the catalogue lacks, and what its curves reach.
 
     Args:
         chosen: the causes.
         screened: the last screening, which has made the curves of its fit.
         level: threshold of the log.
-        other: the other log, of another run of the same vehicle.
+        other: the log of another run of the same vehicle, or None.
     """
     if not chosen.found:
         return chosen

@@ -25,7 +25,8 @@ from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.frequencies import excess, spectrum
 from ivsid.diagnosis.null.leaving import Others
 from ivsid.diagnosis.selection.adequacy import ALONE, Adequacy
-from ivsid.diagnosis.selection.dictionary import regressors
+from ivsid.diagnosis.selection.dictionary import in_words, regressors
+from ivsid.diagnosis.selection.in_their_place import same_forces
 from ivsid.diagnosis.selection.standing import Standing
 
 # Probability of the best single fall on TRAIN, over the whole dictionary, from which on the other log is asked.
@@ -52,8 +53,8 @@ def with_shared(before: Adequacy, fit: Fit, other: Channels, name: str) -> Adequ
         if (carried := carried_to(fit, other)) is not None:
             found = _lasting(fit, survey(*carried, fit.fixed, frozenset()))
             if found is not None:
-                regressor, fall, chance = found
-                channel, function = regressor.split("|", 1)
+                force, fall, chance = found
+                function, channel = force.rsplit(" in ", 1)
                 strongest = ((function, channel, fall), *before.strongest[:2])
                 return replace(before, strongest=strongest, chance_of_one=chance, alone=True, shared=name)
     return before
@@ -81,11 +82,11 @@ def together(first: Mapping[str, float], second: Mapping[str, float]) -> tuple[s
     """The regressor that stands out of two logs together, with its fall and the probability of that over the dictionary, or None.
 
     Args:
-        first: falls on a log, with the sign of the regressor, by name.
+        first: falls on a log, with the sign of the regressor, by ``function in channel``.
         second: on the other.
     """
-    known = [n for n, x in first.items() if n in second and x * second[n] > 0]
-    falls = {n: abs(first[n]) + abs(second[n]) for n in known if min(abs(first[n]), abs(second[n])) >= EACH}
+    pairs = ((f, first[f], second[g]) for f, g in same_forces(first, second).items())
+    falls = {f: abs(x) + abs(y) for f, x, y in pairs if x * y > 0 and min(abs(x), abs(y)) >= EACH}
     if not falls:
         return None
     best = max(falls, key=falls.__getitem__)
@@ -95,7 +96,8 @@ def together(first: Mapping[str, float], second: Mapping[str, float]) -> tuple[s
 
 def _standing(fit: Fit) -> Iterator[Mapping[str, float]]:
     """Falls by each regressor with its sign, the least so far, beside one after the other of what may take it."""
-    names, x, unit = regressors(fit)
+    known, x, unit = regressors(fit)
+    names = [in_words(n) for n in known]
     others = Others(fit)
     free = others.curve
     wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)

@@ -1,0 +1,63 @@
+"""Whether two logs hold samples of one run: what the second says of the first is then no evidence of its own."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ivsid.log import Log
+
+# Rows of the shorter log that are looked for in the other one.
+# Source: resource: a share is known to three hundredths
+LOOKED_FOR: Final = 1000
+# Share of its rows from which on two logs are one run.
+# Source: definition: a tenth; two runs of a simulation without noise may begin alike
+ONE_RUN: Final = 0.1
+# Odd multiplier that mixes the bits of a row's columns.
+# Source: definition: the fraction of the golden ratio in 64 bits (Knuth, The Art of Computer Programming 3, section 6.4)
+MIXED: Final = np.uint64(0x9E3779B97F4A7C15)
+
+
+def shared_rows(train: Log, test: Log) -> float:
+    """Share of the shorter log's rows that stand in the other one, by all columns that both have and whatever the zero of its clock.
+
+    Args:
+        train: a log.
+        test: another.
+    """
+    columns = sorted(train.columns.keys() & test.columns.keys())
+    if not columns:
+        return 0.0
+    few, many = (_rows(log, columns) for log in sorted((train, test), key=lambda q: q.t.size))
+    some = few[np.linspace(0, few.size - 1, min(LOOKED_FOR, few.size)).astype(np.int64)]
+    return float(np.isin(some, many).mean())
+
+
+def one_run(train: Log, test: Log) -> bool:
+    """Whether two logs hold samples of one run."""
+    return shared_rows(train, test) >= ONE_RUN
+
+
+def note(train: Log, test: Log) -> str:
+    """A sentence where two logs hold samples of one run, or nothing."""
+    share = shared_rows(train, test)
+    if share < ONE_RUN:
+        return ""
+    if train.same_samples(test):
+        said = f"{test.name} has the same samples as {train.name}"
+    else:
+        said = f"{test.name} and {train.name} have {100 * share:.0f} % of the shorter one's rows in common"
+    return f"{said}: what the extended model gains on it proves nothing, and no cause is asked of it; give a log of another run"
+
+
+def _rows(log: Log, columns: list[str]) -> NDArray[np.uint64]:
+    """A number of each row that depends on every bit of its samples, shape (n,)."""
+    found = np.zeros(log.t.size, dtype=np.uint64)
+    for name in columns:
+        # Both zeros are one.
+        bits = (np.ascontiguousarray(log.columns[name], dtype=np.float64) + 0.0).view(np.uint64)
+        found = (found ^ bits) * MIXED
+        found ^= found >> np.uint64(29)
+    return found

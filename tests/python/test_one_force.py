@@ -218,12 +218,13 @@ def test_a_force_that_one_of_the_causes_explains_alone_is_that_cause():
 
 # An asymmetry beside a centre of gravity to the side, of 10 and 23 standard deviations, were the names of a moment with the cube of speed.
 @pytest.mark.nightly
-@pytest.mark.parametrize(("seed", "names"), [(90053, ["unknown"]), (54030, ["payload.step", "drag.cross_flow"])])
+@pytest.mark.parametrize(("seed", "names"), [(90053, ["unknown"]), (54030, ["drag.cross_flow", "payload.step"])])
 def test_a_moment_outside_the_catalogue_has_no_name_and_a_pair_has_two(seed, names, tmp_path):
     folder = seal(case(seed, duration=300.0), tmp_path, tmp_path / "answers")
     vehicle = read_vehicle(folder / "vehicle.toml")
     train, test = (read_log(folder / f"{k}.csv", vehicle.log) for k in (1, 2))
-    assert [f.effect for f in diagnose(vehicle, train, test, null_logs=0).findings] == names
+    # Which of two causes is found first follows what was fitted beside it, and is no claim.
+    assert sorted(f.effect for f in diagnose(vehicle, train, test, null_logs=0).findings) == names
 
 
 # Nightly: a whole diagnosis; the rule alone stands in the gate.

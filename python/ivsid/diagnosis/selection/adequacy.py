@@ -24,7 +24,7 @@ from ivsid.diagnosis.null.own_past import FORETOLD
 from ivsid.diagnosis.null.rhythm import Rhythm, rhythm
 from ivsid.diagnosis.null.slow_force import SlowForce
 from ivsid.diagnosis.plant.usual_hull import hull_length
-from ivsid.diagnosis.selection.dictionary import MEMORY, regressors
+from ivsid.diagnosis.selection.dictionary import MEMORY, Regressors, regressors
 from ivsid.diagnosis.selection.hulls import Asked, asked_of_hulls
 from ivsid.diagnosis.selection.standing import Standing
 from ivsid.effects import CHANNELS
@@ -250,14 +250,15 @@ def energy_of(fit: Fit, columns: Sequence[int]) -> Array:
     return np.asarray((x.reshape(-1, rows, fit.gram.length) ** 2).sum(axis=(0, 2)))
 
 
-def adequacy(fit: Fit, *, turning: bool = False) -> Adequacy:
+def adequacy(fit: Fit, *, turning: bool = False, known: Regressors | None = None) -> Adequacy:
     """Adequacy of a fitted model; structure that is more than chance has to stand beside any thrust curve inside its accuracy.
 
     Args:
         fit: of the model.
         turning: whether functions of the yaw rate are structure where yaw is left out, as gusts that turn the hull may make them.
+        known: the dictionary's regressors of the fit, where they were made before.
     """
-    names, x, unit = regressors(fit, turning=turning)
+    names, x, unit = known or regressors(fit, turning=turning)
     # The model's own columns stand beside the dictionary, and those of the causes do not.
     g = fit.gram.only(fit.base)
     first = len(g.names)

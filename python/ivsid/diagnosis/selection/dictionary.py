@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +64,11 @@ LEAST_MEMORY: Final = 2.0
 LEAST_AMBIENT: Final = 1e-6
 
 
-def regressors(fit: Fit, *, turning: bool = False) -> tuple[list[str], Array, Array]:
+# Names ``channel|function``, columns and lengths of the dictionary's regressors.
+Regressors: TypeAlias = "tuple[list[str], Array, Array]"
+
+
+def regressors(fit: Fit, *, turning: bool = False) -> Regressors:
     """The dictionary's regressors: names ``channel|function``, whitened columns in unit length, (regressors, blocks, numbers), and their lengths.
 
     Args:

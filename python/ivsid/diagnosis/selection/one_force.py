@@ -32,7 +32,7 @@ from ivsid.diagnosis.null.gradual import gradual_forces
 from ivsid.diagnosis.null.modulated import FALL
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.usual_hull import hull_limits
-from ivsid.diagnosis.selection.dictionary import in_words, regressors
+from ivsid.diagnosis.selection.dictionary import Regressors, in_words, regressors
 from ivsid.diagnosis.selection.force_rules import (
     BETTER_CURVE,
     BETTER_FORCE,
@@ -142,13 +142,16 @@ class Forces:
     free: Callable[[], Gram] | None = None
 
     @classmethod
-    def of(cls, fit: Fit, found: Sequence[Found], *, curves_too: bool = True) -> Self | None:
+    def of(
+        cls, fit: Fit, found: Sequence[Found], *, curves_too: bool = True, known: Regressors | None = None
+    ) -> Self | None:
         """The causes of a fit whose errors are sums of columns; None if there are none.
 
         Args:
             fit: of the model with all causes.
             found: all causes.
             curves_too: whether any function of a velocity is among the forces.
+            known: the dictionary's regressors of the fit, where they were made before.
         """
         causes = [f for f in found if f.first.candidate.sums]
         numbers = held_numbers(fit)
@@ -157,10 +160,10 @@ class Forces:
         own = {id_: at for id_, at in own.items() if at}
         if not own:
             return None
-        known, x, unit = regressors(fit)
+        regular, x, unit = known or regressors(fit)
         g = fit.gram.only(fit.base)
         held = np.array([numbers.get(n, 0.0) for n in names]) * g.unit
-        forces = [in_words(n) for n in known]
+        forces = [in_words(n) for n in regular]
         wide = g.joined(forces, x, unit)
         slow, x, unit = gradual_forces(fit)
         if slow:

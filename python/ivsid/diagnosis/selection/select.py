@@ -29,6 +29,7 @@ from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.selection.admission import admit
 from ivsid.diagnosis.selection.both_logs import on_other_log
+from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.force_rules import SLEWED, SLOW_FORCE, Slewed, Slow
 from ivsid.diagnosis.selection.one_force import Forces, imitating, imitating_on_both
 from ivsid.diagnosis.selection.review import Reviewed, reviewed
@@ -63,6 +64,7 @@ class Selection:
         leftover: scores beside all causes, the best first.
         refused: for each cause that was not found, the refusal by the first rule that it did not keep, by id.
         curves: what any thrust curve inside its accuracy makes of each number of the last fit, by column; empty where nothing was found.
+        left: structure that the last fit leaves, where it is known.
         imitating: causes that passed every test but that one force explains as well, or better: the log holds something that the model lacks.
     """
 
@@ -74,11 +76,12 @@ class Selection:
     refused: Mapping[str, Refusal] = field(default_factory=dict)
     imitating: tuple[Found, ...] = ()
     curves: Mapping[str, Reach] = field(default_factory=dict)
+    left: Adequacy | None = None
 
     @cached_property
     def after(self) -> Adequacy:
         """Structure that the model with every cause leaves."""
-        return adequacy(self.last)
+        return self.left or adequacy(self.last)
 
 
 def select(
@@ -166,7 +169,8 @@ def _kept(chosen: Selection, screened: Screened, level: float, other: Channels |
         return chosen
     # The other log is asked in a process of its own, while this one is.
     there = Apart(partial(on_other_log, chosen.last, chosen.found, other))
-    asked = Forces.of(chosen.last, chosen.found)
+    known = regressors(chosen.last)
+    asked = Forces.of(chosen.last, chosen.found, known=known)
     said = {**imitating(asked, chosen.found), **{f.id: f.slewed for f in chosen.found if f.slewed is not None}}
     if said:
         there.end()
@@ -174,7 +178,8 @@ def _kept(chosen: Selection, screened: Screened, level: float, other: Channels |
         answer = on_other_log(chosen.last, chosen.found, other)
         asked = Forces.of(chosen.last, chosen.found)
     else:
-        chosen = replace(chosen, curves=(screened.round.curve or AnyCurve(chosen.last)).reach())
+        curves = (screened.round.curve or AnyCurve(chosen.last)).reach()
+        chosen = replace(chosen, curves=curves, left=adequacy(chosen.last, known=known))
         answer = there.result()
     said = {**answer.changed, **imitating_on_both(asked, chosen.found, answer.in_place)}
     return _without(chosen, said, level) if said else chosen
@@ -199,7 +204,9 @@ def _without(s: Selection, said: Mapping[str, Refusal], level: float) -> Selecti
     found = tuple(f for f in s.found if f.id not in said)
     gone = tuple(f for f in s.found if f.id in said and f.id not in slow)
     curves = AnyCurve(fit).reach() if found else {}
-    left = replace(s, last=fit, found=found, leftover=tuple(scored), refused={**refused, **s.refused}, curves=curves)
+    left = replace(
+        s, last=fit, found=found, leftover=tuple(scored), refused={**refused, **s.refused}, curves=curves, left=None
+    )
     return replace(left, imitating=(*s.imitating, *gone))
 
 

@@ -23,7 +23,12 @@ def diagnose(
         ),
     ],
     train: Annotated[Path, typer.Argument(metavar="TRAIN", help="Log in which causes are looked for.")],
-    test: Annotated[Path, typer.Argument(metavar="TEST", help="Another log, on which the better model is tried.")],
+    test: Annotated[
+        Path,
+        typer.Argument(
+            metavar="TEST", help="Log of another run, which may refuse a cause, and on which the better model is tried."
+        ),
+    ],
     out: Out = None,
     json: Json = False,
     seed: Seed = None,

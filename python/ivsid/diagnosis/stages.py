@@ -83,7 +83,7 @@ def diagnose(
     Args:
         vehicle: whose ``[model]`` is diagnosed; the plain model by default. A checked vehicle, the path of its file, or a shipped one's name.
         train: log in which causes are looked for. A checked log, its path, or a table in memory.
-        test: another log, on which the gain of the extended model is measured.
+        test: another log, which is asked of the causes that the first one shows, and on which the gain of the extended model is measured.
         seed: of the random draws.
         progress: told of each step.
         null_logs: largest number of null logs that a finding or structure close to its threshold has to pass; 0 leaves it to theory.

@@ -9,6 +9,7 @@ import pytest
 from diagnosis_logs import logs_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.intervals import Bound
+from ivsid.diagnosis.estimation.kinds.step import StepCandidate
 from ivsid.diagnosis.null.rule import first_refusal
 from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.statements import findings
@@ -30,17 +31,42 @@ def _made(monkeypatch):
     monkeypatch.setattr(Adequacy, "beside", lambda rest, *_, **__: rest.unexplained / 10)
 
 
-def named(falls, left, *, complete=False, ids=IDS, terms=(), rule="dominant", chance=1e-12, louder=False):
+def candidate(id_, alone):
+    """A cause of one thruster: the index of one that has its thruster among its numbers, or the name."""
+    if isinstance(alone, int):
+        return StepCandidate(EFFECTS[id_], (), alone)
+    return SimpleNamespace(effect=EFFECTS[id_], alone=alone)
+
+
+def named(
+    falls,
+    left,
+    *,
+    complete=False,
+    ids=IDS,
+    terms=(),
+    rule="dominant",
+    chance=1e-12,
+    louder=False,
+    imitating=(),
+    strongest="u",
+    alone=None,
+):
     """Names of causes with these falls, where a dictionary of 100 columns finds ``left`` more than chance."""
     found = [
         SimpleNamespace(
-            id=i, fall=f, rivals=[SimpleNamespace(id=i)], first=SimpleNamespace(boxed=0.0, shown=f, lost=f**0.5)
+            id=i,
+            fall=f,
+            rivals=[SimpleNamespace(id=i)],
+            first=SimpleNamespace(boxed=0.0, shown=f, lost=f**0.5, candidate=candidate(i, alone)),
         )
         for i, f in zip(ids, falls, strict=False)
     ]
     plain = SimpleNamespace(h=SimpleNamespace(terms=terms))
-    selection = SimpleNamespace(plain=plain, found=found, last=None, leftover=[], curves={})
-    rest = Adequacy(100.0 + left, 100, chance, (("u", "surge", left),), chance, {})
+    last = SimpleNamespace(noise=SimpleNamespace(predictor=SimpleNamespace(vehicle=vehicle_of())))
+    others = [SimpleNamespace(fall=f) for f in imitating]
+    selection = SimpleNamespace(plain=plain, found=found, last=last, leftover=[], curves={}, imitating=others)
+    rest = Adequacy(100.0 + left, 100, chance, (("v", "sway", 1.0), (strongest, "surge", left)), chance, {})
     made, withdrawn = findings_of(selection, {}, rest, complete=complete, louder=louder)
     assert {f.effect for f in made} | set(withdrawn) == {f.id for f in found}
     assert all(r.rule == rule for r in withdrawn.values())
@@ -60,6 +86,38 @@ def test_a_cause_beside_a_force_that_leaves_no_structure_takes_nine_times_what_c
     assert named([230.0], 0.0) == [IDS[0]]
     assert named([220.0], 0.0) == []
     assert named([101.0, 230.0], 0.0) == []
+
+
+def test_a_cause_beside_causes_that_are_none_takes_nine_times_what_they_do():
+    """Pods that lose thrust in oblique inflow were a sideslip of 108 and a cross-flow drag of 36, which one force beats and which was no finding."""
+    assert named([321.0], 0.0, chance=0.5, imitating=[36.0]) == []
+    assert named([327.0], 0.0, chance=0.5, imitating=[36.0]) == [IDS[0]]
+    assert named([327.0], 0.0, chance=0.5, imitating=[30.0, 36.0]) == []
+    # Little is left beside causes that are enough for a verdict.
+    assert named([108.0], 0.0, chance=0.5, complete=True, imitating=[36.0]) == [IDS[0]]
+
+
+@pytest.mark.parametrize(
+    ("id_", "alone", "strongest", "kept"),
+    [
+        ("thruster.advance_loss", None, "fall of every thrust with its heat of 60 s", False),
+        ("thruster.advance_loss", None, "fall of the thrust of port with its heat of 60 s", True),
+        ("thruster.advance_loss", "port", "fall of the thrust of port with its heat of 60 s", False),
+        ("thruster.advance_loss", "port", "fall of the thrust of starboard with its heat of 60 s", True),
+        ("thruster.advance_loss", "port", "thrust of port", True),
+        ("thruster.failure", 0, "fall of the thrust of port with its heat of 60 s", False),
+        ("thruster.failure", 1, "fall of the thrust of port with its heat of 60 s", True),
+        ("drag.lift.yaw", None, "fall of every thrust with its heat of 60 s", True),
+    ],
+)
+def test_a_thrust_that_goes_on_changing_is_known_by_no_name(id_, alone, strongest, kept):
+    """Weed that wound on a screw ahead and off again astern was a failure from its first turn on, beside 60 in chi-squared of the same screw."""
+
+    def said(left, **how):
+        return named([9e5], left, ids=[id_], alone=alone, strongest=strongest, rule="steady thrust", **how)
+
+    assert said(60.0) == ([id_] if kept else [])
+    assert said(24.0) == [id_] and said(60.0, complete=True) == [id_]
 
 
 def test_a_cause_beside_what_noise_of_few_frequencies_may_make_takes_three_times_as_much():

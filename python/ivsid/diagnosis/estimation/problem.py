@@ -28,18 +28,28 @@ class Problem:
         noise: filters and whitening.
         fixed: values of parameters that are not fitted, by id.
         declared: signatures of the declared errors over the whole log, whitened; they hardly depend on the hypothesis, and are made once for many.
+        edges: ids of the causes at whose edges they end: below a dead band and above a cap a thrust has no error.
     """
 
     noise: Noise
     fixed: Mapping[str, float]
     declared: Gram
+    edges: frozenset[str] = frozenset()
 
     @classmethod
     def at(cls, noise: Noise, fixed: Mapping[str, float], states: FilteredStates) -> Self:
         """The problem with the signatures of the declared errors at these states."""
         predictor = noise.predictor
         none = np.zeros((len(predictor.labels), predictor.log.n))
-        return cls(noise, fixed, gram(nuisances(Signatures(predictor, states)), none, noise, states.h).whole())
+        declared = gram(nuisances(Signatures(predictor, states)), none, noise, states.h).whole()
+        return cls(noise, fixed, declared, _edges(states.h))
+
+    def under(self, states: FilteredStates) -> Self:
+        """The problem of a hypothesis: with declared errors that end at its own edges.
+
+        Errors that jump where a dead band ends would let a model without the band follow it, and one with it lack what they took.
+        """
+        return self if _edges(states.h) == self.edges else self.at(self.noise, self.fixed, states)
 
     @property
     def count(self) -> int:
@@ -69,3 +79,8 @@ class Problem:
         """Chi-squared of the log under a hypothesis, with the declared errors fitted beside it."""
         g = self.gram(states)
         return Projection(g, range(len(g.names))).chi2
+
+
+def _edges(h: Hypothesis) -> frozenset[str]:
+    """Ids of the causes of a hypothesis that have an edge at one demand or one thrust."""
+    return frozenset(given.effect.id for given in h.given if given.effect.form.edged)

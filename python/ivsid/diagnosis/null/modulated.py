@@ -29,6 +29,8 @@ THRUSTERS: Final = 4
 HEATS: Final = (60.0, 240.0)
 # First words of their names.
 FALL: Final = "fall of"
+# What all thrusts together are called.
+EVERY: Final = "every thrust"
 # What a thrust of no size is divided by.
 # Source: definition: keeps the columns from "not a number"
 NONE: Final = 1e-9
@@ -49,7 +51,7 @@ def modulated(fit: Fit) -> tuple[list[str], list[Array], list[int | None]]:
 
     asked: list[tuple[str, list[int], int | None]] = [(vehicle.thrusters[k].words, [k], k) for k in known[:THRUSTERS]]
     if len(known) > 1:
-        asked.append(("every thrust", known, None))
+        asked.append((EVERY, known, None))
     names, forces, own = [], [], []
     for words, at, k in asked:
         for how, size in by.items():

@@ -110,7 +110,7 @@ def admit(
         return Admission(refused, waiting)
     best = max(rivals, key=lambda r: r.place)
     # All are fitted once more under the better noise.
-    problem = Problem.at(_learnt(fit, best.states), fit.fixed, best.states)
+    problem = Problem.at(_learnt(fit, best.states), fit.fixed, fit.states)
     asked = sorted(rivals, key=lambda r: -r.merit)
     asked = [r for r in asked if best.merit - r.merit <= max(FAR, FAR_SHARE * best.merit)]
     tasks = [(fit.states, ""), *((r.states, r.id) for r in asked)]
@@ -176,6 +176,7 @@ def _unfounded(
 
 def _exact(problem: Problem, states: FilteredStates, id_: str) -> tuple[FilteredStates, float]:
     """States of a hypothesis fitted to the end, with its chi-squared; numbers of the effect ``id_`` that bend are searched again."""
+    problem = problem.under(states)
     states = improve(problem, states, FULL_STEPS)
     # Gauss-Newton steps do not cross a jump of the errors, as where a delay is a sample long.
     bends = [g for g in states.h.given if g.effect.id == id_ and sought(g)]

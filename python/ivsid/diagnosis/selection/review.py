@@ -63,9 +63,11 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
     refused: dict[str, Refusal] = {}
     for i, one in enumerate(found[:asked]):
         try:
-            without = improve(problem, states.under(states.h.without(one.id, plain)))
+            bereft = states.under(states.h.without(one.id, plain))
+            beside = problem.under(bereft)
+            without = improve(beside, bereft)
             bare, scored = score(survey(problem.noise, without, problem.fixed))
-            base = problem.chi2(without)
+            base = beside.chi2(without)
         except np.linalg.LinAlgError:
             continue
         mine = Rival(one.id, states, now, one.first.count, base - now)
@@ -92,7 +94,7 @@ def reviewed(problem: Problem, last: Reviewed, asked: int, passes: Threshold, pl
         near = [s for s in near if s.id not in others and s.id != one.id and s.physical and passes.eligible(s)]
         near = [s for s in near if alone.abrupt(s)]
         near = near[: FINALISTS - 1]
-        tried = side_by_side([partial(fitted, problem, bare, s) for s in near], partial(starts, bare, near))
+        tried = side_by_side([partial(fitted, beside, bare, s) for s in near], partial(starts, bare, near))
         rivals = sorted(
             [mine, *(replace(r, fall=base - r.chi2) for r in tried if r is not None)], key=lambda r: -r.place
         )

@@ -173,6 +173,7 @@ def fitted(problem: Problem, fit: Fit, s: Scored, start: FilteredStates | None =
             own = [g for g in states.h.given if g.effect.id == s.id and sought(g)]
             for given in own:
                 states = predictor.settle(refined(problem, states, given, wide=not turn), 2)
+            problem = problem.under(states)
             if turn and not own:
                 break
             states = improve(problem, states)

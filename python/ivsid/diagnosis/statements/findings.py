@@ -17,6 +17,8 @@ import numpy as np
 from ivsid.diagnosis.candidates.intervals import Bound, Reach, intervals
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.estimation.kinds.step import StepCandidate
+from ivsid.diagnosis.null.modulated import EVERY, FALL
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.null.screening import FAINT
 from ivsid.diagnosis.plant.physics import Hypothesis
@@ -138,7 +140,9 @@ def findings_of(
         one = said(unknown=not rest.quiet)
         # A force that no cause explains may pass for noise, which leaves no structure: what counts as no finding is left at the least.
         left = nothing + (
-            rest.beside(last, own_columns(last, found.id), memory=louder) if complete else max(rest.unexplained, FAINT)
+            rest.beside(last, own_columns(last, found.id), memory=louder)
+            if complete
+            else max(rest.unexplained, FAINT, sum(f.fall for f in selection.imitating))
         )
         case = _held(selection, found, one, rest, left, complete=complete, louder=louder)
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
@@ -183,7 +187,24 @@ def _held(
         beside,
         far,
         louder,
+        _varying(selection.last, found, rest),
     )
+
+
+def _varying(last: Fit, found: Found, rest: Adequacy) -> float:
+    """Fall of chi-squared by a change of the thrust of a cause's own thrusters, among what is left most; 0 for a cause at none.
+
+    Args:
+        last: fit of the extended model.
+        found: the cause.
+        rest: what is left.
+    """
+    c, known = found.first.candidate, last.noise.predictor.vehicle.thrusters
+    if not c.effect.acts.at_thruster:
+        return 0.0
+    alone = known[c.thruster].name if isinstance(c, StepCandidate) and c.thruster is not None else c.alone
+    words = next((t.words for t in known if t.name == alone), EVERY)
+    return max((fall for name, _, fall in rest.strongest if name.startswith(f"{FALL} {words}")), default=0.0)
 
 
 def nameless(selection: Selection) -> dict[str, Refusal]:

@@ -38,8 +38,8 @@ class Held:
     Attributes:
         effect: the cause.
         fall: of chi-squared against the model without it.
-        left: unexplained chi-squared, in its channels alone where little is left and ``FAINT`` at the least where more is, and what refused causes take that
-            are weaker.
+        left: unexplained chi-squared, in its channels alone where little is left, and ``FAINT`` and what causes explain that passed every test and are none
+            at the least where more is, and what refused causes take that are weaker.
         parameters: its intervals.
         complete: whether little enough structure is left for a verdict.
         quiet: whether no structure is left.
@@ -49,6 +49,7 @@ class Held:
         beside: standard deviations by which its score stands out of the worst declared errors inside their bounds.
         outside: largest error of a thrust beside it, in its bounds.
         louder: whether more is left than noise of all frequencies alone makes, though noise of few of them may make as much.
+        varying: fall of chi-squared by a change of the thrust of its own thrusters, among what is left most.
     """
 
     effect: Effect
@@ -63,6 +64,7 @@ class Held:
     beside: float = 0.0
     outside: float = 0.0
     louder: bool = False
+    varying: float = 0.0
 
     @property
     def there(self) -> bool:
@@ -119,8 +121,8 @@ class Held:
 
 DOMINANT_RULE: Final = Rule[Held](
     "dominant",
-    "fall of chi² over the unexplained chi² and what weaker causes take that are refused, where structure is left, or more than noise of all frequencies "
-    "alone makes",
+    "fall of chi² over the unexplained chi² and what weaker causes take that are refused, where structure is left, more than noise of all frequencies "
+    "alone makes, or a cause that passed every test and is none",
     f"at least {DOMINANT:g}, with {FAINT:g} unexplained at the least, or in its channels {BESIDE_NOISE:g} where noise of few frequencies may make it, and 1 where little is left",
     "What no cause explains may be most of what this cause seems to explain, and several wrong causes imitate what no single one does. A force beyond the "
     "declared one that passes for noise leaves no structure, and makes causes as well. Noise of few "
@@ -129,7 +131,7 @@ DOMINANT_RULE: Final = Rule[Held](
     lambda c: c.fall / c.left if c.left > 0 else float("inf"),
     lambda c: c.least,
     "its fall of chi² is {value:.2g} times what stays unexplained, and {limit:g} times count",
-    lambda c: not c.quiet or c.louder,
+    lambda c: not c.quiet or c.louder or not c.complete,
 )
 EXCLUDES: Final = Rule[Held](
     "excludes no effect",
@@ -192,4 +194,18 @@ BOUNDS_KEPT: Final = Rule[Held](
     lambda c: c.boxed and c.fall < FAINT,
     least=False,
 )
-HELD: Final = (HULLS, PARTED, DOMINANT_RULE, EXCLUDES, BOUNDS_KEPT)
+VARYING: Final = Rule[Held](
+    "steady thrust",
+    "fall of chi² by a thrust of the cause's own thrusters that falls with the speed, its heat or another's wash, among the three strongest regressors of what "
+    "is left, where more structure is left than a verdict allows",
+    f"at most {FAINT:g}",
+    "A cause says how a thrust differs from its curve. A thrust that goes on changing beside it differs in another way: weed that winds on a screw and off again is a failure "
+    "at the time of the first turn.",
+    "definition: a fall of chi-squared that counts",
+    lambda c: c.varying,
+    lambda _: FAINT,
+    "the thrust goes on changing beside it: {value:.0f} in chi², and {limit:g} is the most",
+    lambda c: not c.complete,
+    least=False,
+)
+HELD: Final = (HULLS, PARTED, VARYING, DOMINANT_RULE, EXCLUDES, BOUNDS_KEPT)

@@ -110,7 +110,7 @@ def admit(
         return Admission(refused, waiting)
     best = max(rivals, key=lambda r: r.place)
     # All are fitted once more under the better noise.
-    problem = Problem.at(_learnt(fit, best.states), fit.fixed, fit.states)
+    problem = Problem.at(_learnt(fit, best.states), fit.fixed, best.states)
     asked = sorted(rivals, key=lambda r: -r.merit)
     asked = [r for r in asked if best.merit - r.merit <= max(FAR, FAR_SHARE * best.merit)]
     tasks = [(fit.states, ""), *((r.states, r.id) for r in asked)]

@@ -148,6 +148,13 @@ DIAGNOSIS = (
         "test_findings.py",
     ),
     python(
+        "what refused causes take beside nothing",
+        "diagnosis/statements/rules.py",
+        "or c.refused > 0.0",
+        "or c.refused > 1e9",
+        "test_findings.py",
+    ),
+    python(
         "a thrust that goes on changing",
         "diagnosis/statements/findings.py",
         'name.startswith(f"{FALL} {words}")',

@@ -69,7 +69,7 @@ def named(
     rest = Adequacy(100.0 + left, 100, chance, (("v", "sway", 1.0), (strongest, "surge", left)), chance, {})
     made, withdrawn = findings_of(selection, {}, rest, complete=complete, louder=louder)
     assert {f.effect for f in made} | set(withdrawn) == {f.id for f in found}
-    assert all(r.rule == rule for r in withdrawn.values())
+    assert rule is None or all(r.rule == rule for r in withdrawn.values())
     return [f.effect for f in made]
 
 
@@ -95,6 +95,21 @@ def test_a_cause_beside_causes_that_are_none_takes_nine_times_what_they_do():
     assert named([327.0], 0.0, chance=0.5, imitating=[30.0, 36.0]) == []
     # Little is left beside causes that are enough for a verdict.
     assert named([108.0], 0.0, chance=0.5, complete=True, imitating=[36.0]) == [IDS[0]]
+
+
+def test_a_cause_takes_three_times_what_a_weaker_one_does_that_is_refused(monkeypatch):
+    """A clutch that slipped was a gain of 376 of its thruster beside a failure of 236, whose loss may be none, with nothing left."""
+    made = findings.finding
+
+    def finding(f, *args, **how):
+        one = made(f, *args, **how)
+        if f.id == IDS[1]:
+            one.parameters = {f.id: Bound(-0.1, 2.1, "1", "")}
+        return one
+
+    monkeypatch.setattr(findings, "finding", finding)
+    for falls, left in ([376.0, 236.0], []), ([709.0, 236.0], [IDS[0]]), ([2.0, 236.0], [IDS[0]]):
+        assert named(falls, 0.0, chance=0.5, complete=True, rule=None) == left
 
 
 @pytest.mark.parametrize(

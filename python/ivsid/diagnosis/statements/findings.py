@@ -144,7 +144,7 @@ def findings_of(
             if complete
             else max(rest.unexplained, FAINT, sum(f.fall for f in selection.imitating))
         )
-        case = _held(selection, found, one, rest, left, complete=complete, louder=louder)
+        case = _held(selection, found, one, rest, left, complete=complete, louder=louder, refused=nothing)
         refusal = first_refusal(HELD, case, [f.id for f in selection.found if f is not found])
         if refusal is None:
             # A cause is named by what it is beside what explains the rest, which may have moved its numbers.
@@ -167,6 +167,7 @@ def _held(
     *,
     complete: bool,
     louder: bool = False,
+    refused: float = 0.0,
 ) -> Held:
     """A cause with what the rules of findings ask of it."""
     effect = EFFECTS[found.id]
@@ -187,6 +188,7 @@ def _held(
         beside,
         far,
         louder,
+        refused,
         _varying(selection.last, found, rest),
     )
 

@@ -20,7 +20,7 @@ from ivsid.effects import Effect
 # A cause is named only if its fall exceeds this multiple of the unexplained chi-squared, where unexplained structure is left.
 # Source: measured: make constants
 DOMINANT: Final = 9.0
-# The same in its channels, where noise of few frequencies may make what is left.
+# The same in its channels, where noise of few frequencies may make what is left, or weaker causes are refused that passed every test.
 # Source: measured: the examination; right causes in swells and slow winds exceeded it 4.3 to 45 times, a crew that walks and a backlash 1.3 and 1.7 times
 BESIDE_NOISE: Final = 3.0
 # Alternatives that a finding names.
@@ -49,6 +49,7 @@ class Held:
         beside: standard deviations by which its score stands out of the worst declared errors inside their bounds.
         outside: largest error of a thrust beside it, in its bounds.
         louder: whether more is left than noise of all frequencies alone makes, though noise of few of them may make as much.
+        refused: fall of weaker causes that passed every test and are refused.
         varying: fall of chi-squared by a change of the thrust of its own thrusters, among what is left most.
     """
 
@@ -64,6 +65,7 @@ class Held:
     beside: float = 0.0
     outside: float = 0.0
     louder: bool = False
+    refused: float = 0.0
     varying: float = 0.0
 
     @property
@@ -81,7 +83,7 @@ class Held:
         """The least fall that names it, over what is left."""
         if not self.complete:
             return DOMINANT
-        return BESIDE_NOISE if self.louder else 1.0
+        return BESIDE_NOISE if self.louder or self.refused else 1.0
 
     @property
     def distance(self) -> float:
@@ -123,7 +125,8 @@ DOMINANT_RULE: Final = Rule[Held](
     "dominant",
     "fall of chi² over the unexplained chi² and what weaker causes take that are refused, where structure is left, more than noise of all frequencies "
     "alone makes, or a cause that passed every test and is none",
-    f"at least {DOMINANT:g}, with {FAINT:g} unexplained at the least, or in its channels {BESIDE_NOISE:g} where noise of few frequencies may make it, and 1 where little is left",
+    f"at least {DOMINANT:g}, with {FAINT:g} unexplained at the least, or in its channels {BESIDE_NOISE:g} where noise of few frequencies may make it or a weaker cause is refused that "
+    "passed every test, and 1 where little is left",
     "What no cause explains may be most of what this cause seems to explain, and several wrong causes imitate what no single one does. A force beyond the "
     "declared one that passes for noise leaves no structure, and makes causes as well. Noise of few "
     "frequencies may be what is left, and may as well be the rest of another cause.",
@@ -131,7 +134,7 @@ DOMINANT_RULE: Final = Rule[Held](
     lambda c: c.fall / c.left if c.left > 0 else float("inf"),
     lambda c: c.least,
     "its fall of chi² is {value:.2g} times what stays unexplained, and {limit:g} times count",
-    lambda c: not c.quiet or c.louder or not c.complete,
+    lambda c: not c.quiet or c.louder or not c.complete or c.refused > 0.0,
 )
 EXCLUDES: Final = Rule[Held](
     "excludes no effect",

@@ -127,6 +127,20 @@ DIAGNOSIS = (
         "test_one_thruster.py",
     ),
     python(
+        "bands where an error stands for one",
+        "diagnosis/candidates/finer.py",
+        "or fit.signatures.hidden",
+        "or False",
+        "test_hidden_caps.py",
+    ),
+    python(
+        "bands on the curve of the file",
+        "diagnosis/estimation/signatures.py",
+        "not given.effect.form.edged:",
+        "not given.effect.form.limits:",
+        "test_hidden_caps.py",
+    ),
+    python(
         "bands all over",
         "diagnosis/candidates/finer.py",
         "EDGE: Final = 0.25",

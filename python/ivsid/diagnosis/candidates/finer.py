@@ -42,14 +42,17 @@ def with_finer(fit: Fit, scored: list[Scored]) -> tuple[Fit, list[Scored]]:
     """
     out = []
     for s in scored:
-        fit, best = _finer(fit, s) if _jumps(s) else (fit, s)
+        fit, best = _finer(fit, s) if _jumps(fit, s) else (fit, s)
         out.append(best)
     return fit, out
 
 
-def _jumps(s: Scored) -> bool:
+def _jumps(fit: Fit, s: Scored) -> bool:
+    """Whether finer values of a cause are asked for: it jumps, and something of it shows, or a fitted error has left its bound and may stand for it."""
     c = s.candidate
-    return isinstance(c, GridCandidate) and c.effect.form.jumps and s.fall >= WORTH_A_LOOK and len(c.values) > 1
+    if not isinstance(c, GridCandidate) or not c.effect.form.jumps or len(c.values) < 2:
+        return False
+    return s.fall >= WORTH_A_LOOK or fit.signatures.hidden
 
 
 def _finer(fit: Fit, s: Scored) -> tuple[Fit, Scored]:

@@ -120,6 +120,7 @@ def test_a_cause_takes_three_times_what_a_weaker_one_does_that_is_refused(monkey
         ("thruster.advance_loss", "port", "fall of the thrust of port with its heat of 60 s", False),
         ("thruster.advance_loss", "port", "fall of the thrust of starboard with its heat of 60 s", True),
         ("thruster.advance_loss", "port", "thrust of port", True),
+        ("thruster.advance_loss", "port", "fall of the thrust of port_aft with its heat of 60 s", True),
         ("thruster.failure", 0, "fall of the thrust of port with its heat of 60 s", False),
         ("thruster.failure", 1, "fall of the thrust of port with its heat of 60 s", True),
         ("drag.lift.yaw", None, "fall of every thrust with its heat of 60 s", True),
@@ -133,6 +134,14 @@ def test_a_thrust_that_goes_on_changing_is_known_by_no_name(id_, alone, stronges
 
     assert said(60.0) == ([id_] if kept else [])
     assert said(24.0) == [id_] and said(60.0, complete=True) == [id_]
+
+
+def test_a_single_thruster_is_all_of_them():
+    main = SimpleNamespace(name="main", words="the thrust of main")
+    last = SimpleNamespace(noise=SimpleNamespace(predictor=SimpleNamespace(vehicle=SimpleNamespace(thrusters=(main,)))))
+    found = SimpleNamespace(first=SimpleNamespace(candidate=candidate("thruster.advance_loss", None)))
+    rest = SimpleNamespace(strongest=(("fall of the thrust of main with its heat of 60 s", "surge", 40.0),))
+    assert findings._varying(last, found, rest) == 40.0
 
 
 def test_a_cause_beside_what_noise_of_few_frequencies_may_make_takes_three_times_as_much():

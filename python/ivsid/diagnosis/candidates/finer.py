@@ -26,11 +26,11 @@ WORTH_A_LOOK: Final = 4.0
 # the grid, and 300 four per cent beside its own
 BETWEEN: Final = (6, 2)
 # Distance of the values that are tried all over, in that of the knots of the thrust errors.
-# Source: measured: a dead band of 13 of 100 whose knots were 3.3 apart explained 1012 at its own edge, 82 at 12 and nothing at 14
+# Source: measured: a dead band of 13 of 100 whose knots were 3.3 apart explained 4625 in full from 12.99 on, 84 at 12 and less than nothing at 14
 EDGE: Final = 0.25
-# Most of them.
-# Source: resource: each is a column of the fit
-SPREAD: Final = 48
+# Most of them, and as many between which the same share of the demands lies: where a feedback keeps a demand near an edge, it crosses that all the time.
+# Source: resource: each is a column of the search
+SPREAD: Final = 24
 
 
 def with_finer(fit: Fit, scored: list[Scored]) -> tuple[Fit, list[Scored]]:
@@ -42,33 +42,37 @@ def with_finer(fit: Fit, scored: list[Scored]) -> tuple[Fit, list[Scored]]:
     """
     out = []
     for s in scored:
-        fit, best = _finer(fit, s) if _jumps(fit, s) else (fit, s)
+        fit, best = _finer(fit, s) if _jumps(s) else (fit, s)
         out.append(best)
     return fit, out
 
 
-def _jumps(fit: Fit, s: Scored) -> bool:
-    """Whether finer values of a cause are asked for: it jumps, and something of it shows, or a fitted error has left its bound and may stand for it."""
+def _jumps(s: Scored) -> bool:
     c = s.candidate
-    if not isinstance(c, GridCandidate) or not c.effect.form.jumps or len(c.values) < 2:
-        return False
-    return s.fall >= WORTH_A_LOOK or fit.signatures.hidden
+    return isinstance(c, GridCandidate) and c.effect.form.jumps and s.fall >= WORTH_A_LOOK and len(c.values) > 1
 
 
 def _finer(fit: Fit, s: Scored) -> tuple[Fit, Scored]:
+    """The fit with the column of the best value, and its score; columns that explain less would take as many directions of the noise."""
     c = s.candidate
     assert isinstance(c, GridCandidate)
-    tried = _all_over(fit, s)
-    fit, best = _tried(fit, s, tried) if tried else (fit, s)
-    values = sorted({*c.values, *best.values})
-    for count in BETWEEN:
+    spread = _all_over(fit, s)
+    wide, best = _tried(fit, s, spread) if spread else (fit, s)
+    values = sorted({c.idle or min(c.values), *c.values, *best.values})
+    for turn, count in enumerate(BETWEEN):
+        if turn:
+            # There are other peaks between two values of the grid, and the best of them may lie between two of all others.
+            values = sorted({*values, *spread})
         k = values.index(best.values[0])
         low, high = values[max(k - 1, 0)], values[min(k + 1, len(values) - 1)]
         ends = [(a, b) for a, b in ((low, values[k]), (values[k], high)) if a < b]
         tried = [float(v) for a, b in ends for v in np.geomspace(a, b, count + 2)[1:-1]]
-        fit, best = _tried(fit, best, tried)
+        wide, best = _tried(wide, best, tried)
         values = sorted([*values, *tried])
-    return fit, best
+    if best.columns == s.columns:
+        return fit, best
+    only, _ = _tried(fit, s, best.values)
+    return only, replace(best, columns=(len(fit.gram.names),))
 
 
 def _tried(fit: Fit, best: Scored, values: Sequence[float]) -> tuple[Fit, Scored]:
@@ -87,19 +91,36 @@ def _tried(fit: Fit, best: Scored, values: Sequence[float]) -> tuple[Fit, Scored
     for j, value in enumerate(values):
         theta, fall = p.solve([first + j])
         real = float(theta[0] / fit.gram.unit[first + j])
-        if real > 0 and fall > best.fall:
+        if real > 0 and _once(fall, real) > _once(best.fall, best.theta[0]):
             best = replace(best, fall=fall, columns=(first + j,), theta=(real,), values=(value,), physical=True)
     return fit, replace(best, looks=looks)
 
 
+def _once(fall: float, times: float) -> float:
+    """Fall of chi-squared by a cause once, where its column is best taken more than once: a band takes the whole thrust, and no more.
+
+    The few samples of the lowest demands, taken twice, follow a band that ends above them.
+
+    Args:
+        fall: by the best multiple of the column.
+        times: that multiple.
+    """
+    return fall * (2.0 * times - 1.0) / times**2 if times > 1.0 else fall
+
+
 def _all_over(fit: Fit, s: Scored) -> list[float]:
-    """Values between the least and the largest of the grid, a share of the distance of the knots of the thrust errors apart, without the grid's own."""
+    """Values up to the largest of the grid: as dense as knots of the thrust errors let an edge be seen, and as demands stand between."""
     assert isinstance(s.candidate, GridCandidate)
-    alone = s.candidate.alone
-    propulsion = zip(fit.noise.predictor.vehicle.thrusters, fit.noise.predictor.propulsion.errors, strict=True)
-    apart = [np.diff(e.places).min() for t, e in propulsion if alone in (None, t.name) and e.places.size > 1]
-    low, high = min(s.candidate.values), max(s.candidate.values)
+    alone, propulsion = s.candidate.alone, fit.noise.predictor.propulsion
+    own = [k for k, t in enumerate(fit.noise.predictor.vehicle.thrusters) if alone in (None, t.name)]
+    apart = [np.diff(propulsion.errors[k].places).min() for k in own if propulsion.errors[k].places.size > 1]
+    # Between the least demand and the least value of the grid a band may take little, and show more than one beyond it.
+    low, high = s.candidate.idle or 0.0, max(s.candidate.values)
     if not apart or high <= low:
+        # Exact thrusts have no knots, and any value of a band shows.
         return []
     count = min(int((high - low) / (EDGE * min(apart))) + 1, SPREAD)
-    return [float(v) for v in np.linspace(low, high, count + 2)[1:-1] if v not in s.candidate.values]
+    used = np.abs(np.concatenate([propulsion.demands[k] for k in own]))
+    used = used[(used > low) & (used < high)]
+    between = np.quantile(used, (np.arange(SPREAD) + 0.5) / SPREAD).tolist() if used.size else []
+    return sorted({*np.linspace(low, high, count + 2)[1:-1].tolist(), *between} - {*s.candidate.values})

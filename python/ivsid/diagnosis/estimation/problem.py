@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,8 @@ from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 
 Array = NDArray[np.float64]
+# Ids of causes, the only thruster of each or None, and their numbers.
+Edges: TypeAlias = "frozenset[tuple[str, str | None, tuple[float, ...]]]"
 
 
 @dataclass(frozen=True)
@@ -28,13 +30,13 @@ class Problem:
         noise: filters and whitening.
         fixed: values of parameters that are not fitted, by id.
         declared: signatures of the declared errors over the whole log, whitened; they hardly depend on the hypothesis, and are made once for many.
-        edges: ids of the causes at whose edges they end: below a dead band and above a cap a thrust has no error.
+        edges: the causes at whose edges they end, with their thrusters and numbers: below a dead band and above a cap a thrust has no error.
     """
 
     noise: Noise
     fixed: Mapping[str, float]
     declared: Gram
-    edges: frozenset[str] = frozenset()
+    edges: Edges = frozenset()
 
     @classmethod
     def at(cls, noise: Noise, fixed: Mapping[str, float], states: FilteredStates) -> Self:
@@ -49,7 +51,9 @@ class Problem:
 
         Errors that jump where a dead band ends would let a model without the band follow it, and one with it lack what they took.
         """
-        return self if _edges(states.h) == self.edges else self.at(self.noise, self.fixed, states)
+        if _edges(states.h) == self.edges:
+            return self
+        return self.at(self.noise, self.fixed, self.noise.predictor.settle(states, 2))
 
     @property
     def count(self) -> int:
@@ -81,6 +85,6 @@ class Problem:
         return Projection(g, range(len(g.names))).chi2
 
 
-def _edges(h: Hypothesis) -> frozenset[str]:
-    """Ids of the causes of a hypothesis that have an edge at one demand or one thrust."""
-    return frozenset(given.effect.id for given in h.given if given.effect.form.edged)
+def _edges(h: Hypothesis) -> Edges:
+    """The causes of a hypothesis that have an edge at one demand or one thrust."""
+    return frozenset((g.effect.id, g.thruster, tuple(g.values)) for g in h.given if g.effect.form.edged)

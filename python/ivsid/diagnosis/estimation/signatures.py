@@ -42,9 +42,9 @@ INVERSE_STEP: Final = 0.02
 # Least size of a number in such a difference, in its usual size.
 # Source: geometry: a number near zero still needs a difference above rounding
 LEAST_SIZE: Final = 0.1
-# Fitted error of a thrust, in its bound, from which on a cap or a dead band is looked for on the curve of the file.
-# Source: definition: five standard deviations of an error that lies anywhere inside its bound
-HIDING: Final = 3.0
+# Fitted error of a thrust, in its bound, from which on a cap is looked for on the curve of the file.
+# Source: definition: no error that is declared comes near
+HIDING: Final = 5.0
 # Multiple of a cap that caps nothing.
 # Source: definition: no thruster pushes by a million times what it is looked for
 IDLE: Final = 1e6
@@ -73,16 +73,12 @@ class Signatures:
     def on_file(self) -> Hypothesis:
         """The hypothesis with the thrust curves of the file, where a fitted error has left its bound far behind; else as it is.
 
-        A cap on a curve that an error has capped already changes nothing, nor does a dead band where an error has taken the thrust away, and the error hides the
-        cause that it stands for.
+        A cap on a curve that an error has capped already changes nothing, and the error hides the cause that it stands for.
         """
-        return of_file(self.h) if self.hidden else self.h
-
-    @cached_property
-    def hidden(self) -> bool:
-        """Whether a fitted error of a thrust has left its bound far behind, so that it may stand for a cause."""
         errors = zip(self.predictor.vehicle.thrusters, self.predictor.propulsion.errors, strict=True)
-        return max((e.largest(t.name, self.h.declared_errors) for t, e in errors), default=0.0) > HIDING
+        if max((e.largest(t.name, self.h.declared_errors) for t, e in errors), default=0.0) <= HIDING:
+            return self.h
+        return of_file(self.h)
 
     def fitted(self, claimed: Iterable[str]) -> Columns:
         """Signatures of the model's free parameters, and of the free parameters of the hypothesis's effects.
@@ -125,9 +121,9 @@ class Signatures:
         return self.predictor.difference(self.states, self.h.with_effect(given), self.mass)
 
     def secant(self, given: Given) -> Array:
-        """The errors that an effect with these numbers leaves; those of a cap or a dead band, on thrust curves whose errors have not taken its place."""
+        """The errors that an effect with these numbers leaves; those of a cap, on thrust curves that no error has capped."""
         bare = self.on_file
-        if bare is self.h or not given.effect.form.edged:
+        if bare is self.h or not given.effect.form.limits:
             return self.whole(given)
         idle = replace(given, values=tuple(IDLE * x for x in given.values))
         found, without = (self.predictor.difference(self.states, bare.with_effect(g), self.mass) for g in (given, idle))

@@ -192,6 +192,10 @@ def _exact(problem: Problem, states: FilteredStates, id_: str) -> tuple[Filtered
             there = improve(problem, states.under(replace(start, declared_errors={})), FULL_STEPS)
             if (better := problem.chi2(there)) < chi2:
                 states, chi2 = there, better
+    if (own := problem.under(states)) is not problem:
+        # An edge that has moved takes the errors beside it along.
+        states = improve(own, states)
+        chi2 = own.chi2(states)
     return states, chi2
 
 

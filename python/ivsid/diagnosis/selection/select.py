@@ -197,7 +197,8 @@ def _without(s: Selection, said: Mapping[str, Refusal], level: float) -> Selecti
     for id_ in said:
         h = h.without(id_, s.plain.h)
     noise, fixed = s.last.noise, s.plain.fixed
-    states = improve(s.last.problem, s.last.states.under(h), FULL_STEPS)
+    bereft = s.last.states.under(h)
+    states = improve(s.last.problem.under(bereft), bereft, FULL_STEPS)
     fit, scored = score(survey(noise, states, fixed))
     slow = _of_slow_force(fit, {q.id: q for q in scored if q.id in said}, level)
     refused = {r.id: slow.get(f.id, said[f.id]) for f in s.found if f.id in said for r in f.rivals}

@@ -205,8 +205,9 @@ def _varying(last: Fit, found: Found, rest: Adequacy) -> float:
     if not c.effect.acts.at_thruster:
         return 0.0
     alone = known[c.thruster].name if isinstance(c, StepCandidate) and c.thruster is not None else c.alone
-    words = next((t.words for t in known if t.name == alone), EVERY)
-    return max((fall for name, _, fall in rest.strongest if name.startswith(f"{FALL} {words}")), default=0.0)
+    # A single thruster is all of them.
+    words = next((t.words for t in known if t.name == alone or len(known) == 1), EVERY)
+    return max((fall for name, _, fall in rest.strongest if name.startswith(f"{FALL} {words} ")), default=0.0)
 
 
 def nameless(selection: Selection) -> dict[str, Refusal]:

@@ -124,7 +124,7 @@ class Held:
 DOMINANT_RULE: Final = Rule[Held](
     "dominant",
     "fall of chi² over the unexplained chi² and what weaker causes take that are refused, where structure is left, more than noise of all frequencies "
-    "alone makes, or a cause that passed every test and is none",
+    "alone makes, or a weaker cause is refused; what causes explain that passed every test and that one force beats is unexplained at the least",
     f"at least {DOMINANT:g}, with {FAINT:g} unexplained at the least, or in its channels {BESIDE_NOISE:g} where noise of few frequencies may make it or a weaker cause is refused that "
     "passed every test, and 1 where little is left",
     "What no cause explains may be most of what this cause seems to explain, and several wrong causes imitate what no single one does. A force beyond the "

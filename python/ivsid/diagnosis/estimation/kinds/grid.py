@@ -95,7 +95,7 @@ class GridCandidate(Candidate):
     def adopted(self, h: Hypothesis, values: Sequence[float], s: Signatures) -> Hypothesis:
         """The hypothesis with the effect in it, and a cap on the curve on which it was found."""
         found = super().adopted(h, values, s)
-        return of_file(found) if self.effect.form.edged and s.on_file is not s.h else found
+        return of_file(found) if self.effect.form.limits and s.on_file is not s.h else found
 
     def levels(self, p: Projection) -> list[tuple[float, float]]:
         """Values with their z, from the value without effect on: the z of a band or a cap is not proportional to it."""

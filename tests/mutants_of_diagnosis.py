@@ -129,8 +129,8 @@ DIAGNOSIS = (
     python(
         "bands all over",
         "diagnosis/candidates/finer.py",
-        "EDGE: Final = 0.25",
-        "EDGE: Final = 25.0",
+        "    spread = _all_over(fit, s)\n",
+        "    spread: list[float] = []\n",
         "test_finer_bands.py",
     ),
     python(

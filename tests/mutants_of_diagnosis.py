@@ -71,6 +71,13 @@ DIAGNOSIS = (
         "test_parting.py",
     ),
     python(
+        "one row at rest as a run",
+        "diagnosis/data/one_run.py",
+        "FEWEST: Final = 20",
+        "FEWEST: Final = 1",
+        "test_one_run.py",
+    ),
+    python(
         "one run asked twice",
         "diagnosis/stages.py",
         "None if one_run(train, test) else other",

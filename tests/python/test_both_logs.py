@@ -84,22 +84,20 @@ def test_a_force_that_leaves_no_hull_on_one_log_stands_on_neither():
 def test_a_force_with_all_its_channels_is_the_same_on_both_logs():
     """The channel in which most of a thrust's fall is may differ between the logs."""
     fall = "fall of the thrust of port with its heat of 60 s in {}"
-    here = InPlace(
-        50.0,
-        50.0,
-        {"a": (50.0,)},
-        {fall.format("yaw"): 60.0, "u in yaw": 9.0},
-        {fall.format("yaw"): 1.0, "u in yaw": 0.0},
-        frozenset(),
-    )
-    other = InPlace(
-        30.0,
-        30.0,
-        {"a": (30.0,)},
-        {fall.format("surge"): 40.0, "u in surge": 9.0},
-        {fall.format("surge"): 2.0, "u in surge": 0.0},
-        frozenset(),
-    )
+
+    def explained(channel, causes, alone, kept):
+        forces = fall.format(channel), f"u in {channel}"
+        own = {"a": (causes,)}
+        return InPlace(
+            causes,
+            causes,
+            own,
+            dict(zip(forces, alone, strict=True)),
+            dict(zip(forces, kept, strict=True)),
+            frozenset(),
+        )
+
+    here, other = explained("yaw", 50.0, (60.0, 9.0), (1.0, 0.0)), explained("surge", 30.0, (40.0, 9.0), (2.0, 0.0))
     both = here.beside(other)
     assert (both.alone, both.kept) == ({fall.format("yaw"): 100.0}, {fall.format("yaw"): 3.0})
     assert here.beside(replace(other, odd=frozenset({fall.format("surge")}))).best.alone == 0.0

@@ -54,6 +54,16 @@ def test_the_share_is_of_rows_that_stand_in_both(other, share):
     assert one_run(WHOLE, other) is (share > 0.1) and bool(note(WHOLE, other)) is (share > 0.1)
 
 
+def test_rows_at_rest_stand_in_any_run():
+    """A simulation without noise is at rest for two fifths of both runs, and one log is at rest throughout."""
+    first, second = (
+        log_of(name, {k: np.where(T < 200.0, 0.0, x) for k, x in measured().items()}) for name in ("1.csv", "2.csv")
+    )
+    assert not one_run(first, second) and one_run(first, first) and not note(first, second)
+    still = log_of("3.csv", {k: np.zeros(T.size) for k in WHOLE.columns})
+    assert not one_run(first, still) and not one_run(still, first)
+
+
 def test_rows_with_holes_and_zeros_of_either_sign_are_the_same():
     columns = {"u": np.where(T % 3 < 1, np.nan, 0.0), "v": RNG.normal(size=T.size)}
     again = {"u": np.where(T % 3 < 1, np.nan, -0.0), "v": columns["v"]}

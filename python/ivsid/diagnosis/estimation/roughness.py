@@ -10,6 +10,7 @@ Annals of Statistics 17, 1989.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 import numpy as np
@@ -73,10 +74,8 @@ def roughness(
         states: of the fitted model.
     """
     vehicle = predictor.vehicle
-    least = lightest(vehicle, states.h.values)
-    inertia = np.array(list(least.values()))
-    said = declared_ambient(vehicle, least)
-    declared = np.array(said.deviation) if vehicle.ambient is not None else _undeclared(vehicle) / inertia
+    inertia, declared = allowed_ambient(vehicle, states.h.values)
+    times = declared_ambient(vehicle).time
     noisy = _of_states(predictor, states)
     quick = quick_ambient(predictor, residual, rows, left_out, noisy)
     most, lasting = quick, np.zeros(3)
@@ -85,7 +84,7 @@ def roughness(
         # Spells of quick turns scatter the blocks as spells of a force do.
         found = np.maximum(np.sqrt(np.maximum(of_most**2 - noisy, 0.0)), of_all)
         # An ambient force that forgets at the declared rate keeps this share of its deviation.
-        kept = np.exp(-0.5 * time / np.array(said.time))
+        kept = np.exp(-0.5 * time / np.array(times))
         most, lasting = np.maximum(most, found / kept), np.maximum(lasting, of_all)
     alone = np.stack([lasting, quick]) / declared if vehicle.ambient is not None else np.zeros((2, 3))
     return most / np.hypot(declared, _of_thrusts(predictor) / inertia), alone
@@ -112,6 +111,20 @@ def rougher_alone(
     of_all = np.max([least_ambient(predictor, residual, rows, left_out, time)[1] for time in APART], axis=0)
     quick = quick_ambient(predictor, residual, rows, left_out, _of_states(predictor, states))
     return np.stack([of_all / np.hypot(declared, SPELLS * thrusts), quick / np.hypot(declared, thrusts)])
+
+
+def allowed_ambient(vehicle: Vehicle, masses: Mapping[str, float]) -> tuple[Array, Array]:
+    """Masses [kg] and inertia in yaw [kg m^2] on which forces act, at the least, and the ambient acceleration that counts as declared, shape (3,) each.
+
+    Args:
+        vehicle: whose file declares a force, or thrusts whose absolute accuracy stands for one.
+        masses: of the fitted model by id.
+    """
+    least = lightest(vehicle, masses)
+    inertia = np.array(list(least.values()))
+    if vehicle.ambient is None:
+        return inertia, _undeclared(vehicle) / inertia
+    return inertia, np.array(declared_ambient(vehicle, least).deviation)
 
 
 def _undeclared(vehicle: Vehicle) -> Array:
@@ -143,7 +156,7 @@ def least_ambient(
     """
     out = np.zeros((2, 3))
     for k, (slope, good) in enumerate(slopes_of(predictor, residual, rows)):
-        if _told(predictor, k, left_out):
+        if told(predictor, k, left_out):
             # Readings on a coarse scale are off by what the motion makes of it: a slope over a second by as much as two independent ones.
             rounded = predictor.log.steps.get("uvr"[k], 0.0) ** 2 / 6
             out[:, k] = np.sqrt(np.maximum(_lasting(slope, good, time, predictor.log.h) - rounded, 0.0))
@@ -172,7 +185,7 @@ def quick_ambient(
     for k, here in enumerate(predictor.axes[:2]):
         errors = residual[row : row + len(here.outputs)]
         row += len(here.outputs)
-        if "acceleration" in here.outputs and _told(predictor, k, left_out):
+        if "acceleration" in here.outputs and told(predictor, k, left_out):
             # What the filter expects of the ambient acceleration before each reading is a part of it.
             expected, _ = here.ambient(errors)
             read = errors[here.outputs.index("acceleration")] + expected
@@ -186,7 +199,7 @@ def _of_states(predictor: Predictor, states: FilteredStates) -> Array:
     return np.asarray(np.mean(predictor.slopes(states) ** 2, axis=2) @ spreads**2)
 
 
-def _told(predictor: Predictor, k: int, left_out: frozenset[int]) -> bool:
+def told(predictor: Predictor, k: int, left_out: frozenset[int]) -> bool:
     """Whether an axis tells of an ambient force: the error of a rudder's force has no bound in newtons, and it pushes sideways."""
     return k not in left_out and (k == 0 or all(t.rudder is None for t in predictor.vehicle.thrusters))
 
@@ -245,13 +258,20 @@ def at_the_least(each: Array, noise: float = 0.0) -> Array:
 
 def _of_thrusts(predictor: Predictor) -> Array:
     """Forces X, Y [N] and moment N [N m] that errors of all thrusts together make at their bounds, rms, shape (3,)."""
+    return np.asarray(sum(np.sqrt(np.mean(x**2, axis=1)) for x in bounds_of_thrusts(predictor)), float) + np.zeros(3)
+
+
+def bounds_of_thrusts(predictor: Predictor) -> Iterator[Array]:
+    """Forces X, Y [N] and moment N [N m] that the error of each own thrust makes at its bound, shape (3, n) each.
+
+    Args:
+        predictor: whose demands they are.
+    """
     vehicle, propulsion = predictor.vehicle, predictor.propulsion
-    out = np.zeros(3)
     for k, (thruster, errors) in enumerate(zip(vehicle.thrusters, propulsion.errors, strict=True)):
         if not thruster.own:
             continue
         size = errors.bound(propulsion.demands[k])
         angle, (x, y) = predictor.driving.turned[k, : size.size], thruster.position
         c, s = np.cos(angle), np.sin(angle)
-        out += np.sqrt(np.mean((np.stack([c, s, x * s - y * c]) * size) ** 2, axis=1))
-    return out
+        yield np.stack([c, s, x * s - y * c]) * size

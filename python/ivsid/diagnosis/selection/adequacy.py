@@ -17,6 +17,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.any_curve import beyond
 from ivsid.diagnosis.null.beyond_curves import rougher_beyond
+from ivsid.diagnosis.null.blows import BLOWS, Blow, blow
 from ivsid.diagnosis.null.boxed import Leaving, outside
 from ivsid.diagnosis.null.frequencies import Scatter, Spectrum, excess, spectrum
 from ivsid.diagnosis.null.leaving import FAR, Others, misread_of, thrusts
@@ -82,6 +83,7 @@ class Adequacy:
         scattered: channel whose readings scatter most, and by how much at the least, in its stated accuracy.
         parted: channels whose readings follow from one another and part most, and by how much, in what their stated accuracies allow.
         rhythm: the force that repeats with the way through the water which stands out most.
+        blow: the strongest short force that comes seldom.
         risk: probability below which structure is more than chance.
         alone: whether the best single fall is so rare that no second statistic is asked.
         shared: name of the other log, where the strongest regressor stands out of both logs together, by that fall; empty where it does not.
@@ -108,6 +110,7 @@ class Adequacy:
     scattered: tuple[str, float] = ("", 0.0)
     parted: tuple[str, float] = ("", 0.0)
     rhythm: Rhythm = field(default_factory=Rhythm)
+    blow: Blow = field(default_factory=Blow)
     risk: float = RISK
     alone: bool = False
     shared: str = ""
@@ -183,7 +186,7 @@ class Adequacy:
     def quiet(self) -> bool:
         """Whether the innovations hold no more structure than chance, with every declared error and the ambient force inside its bound and every number one of hulls."""
         kept = self.roughest <= ROUGHER and self.scattered[1] <= SCATTERED and self.parted[1] <= PARTED
-        kept = kept and self.rhythm.chance >= REPEATS
+        kept = kept and self.rhythm.chance >= REPEATS and self.blow.times <= BLOWS
         return self.white and self.in_bounds and not self.hulls and kept
 
     @property
@@ -294,6 +297,7 @@ def adequacy(fit: Fit, *, turning: bool = False, known: Regressors | None = None
         scattered=max(fit.noise.scatter.items(), key=lambda q: q[1], default=("", 0.0)),
         parted=max(fit.noise.parted.items(), key=lambda q: q[1], default=("", 0.0)),
         rhythm=rhythm(fit),
+        blow=blow(fit),
     )
     worst = _none
     if not found.white:

@@ -56,6 +56,9 @@ FELT: Final = "acceleration read wrong with"
 # How much of each is added, as a share of a reading [1, or rad/s a m/s^2]: the answer to a small one is linear in it.
 # Source: geometry: a hundredth, as of the scale of a gyro
 SHARE: Final = 0.01
+# Parts of the largest demand at which an accelerometer may be shaken.
+# Source: geometry: a resonance of a twelfth of the range lies in one of them, or in two
+SHAKEN: Final = 6
 # Least time of a memory, in steps of the clock.
 # Source: geometry: a shorter one is the acceleration itself, which the model's own columns hold
 LEAST_MEMORY: Final = 2.0
@@ -200,10 +203,21 @@ def _accelerometer(fit: Fit) -> Iterator[tuple[str, dict[str, Array]]]:
     """Errors of an accelerometer that go with the motion, as a scale that is off: names, and additions to its readings, shape (n,), by channel."""
     log = fit.noise.predictor.log
     felt = fit.states.specific[:2, : log.n]
+    shaken = dict(_shaken(fit))
     for k, q in enumerate(("ax", "ay")):
         if log.acceleration[k] is not None:
-            wrong = {"its scale": felt[k], "its size": np.abs(felt[k]), "the other axis": felt[1 - k]}
+            wrong = {"its scale": felt[k], "its size": np.abs(felt[k]), "the other axis": felt[1 - k], **shaken}
             yield from ((f"{CHANNELS[k]}|{FELT} {by}", {q: SHARE * x}) for by, x in wrong.items())
+
+
+def _shaken(fit: Fit) -> Iterator[tuple[str, Array]]:
+    """Number of thrusters that run near each of some demands, shape (n,): at a revolution with which its mounting swings, an accelerometer has an offset."""
+    predictor = fit.noise.predictor
+    own = [np.abs(d) for d, t in zip(predictor.propulsion.demands, predictor.vehicle.thrusters, strict=True) if t.own]
+    shares = [d[: predictor.log.n] / max(float(d.max()), 1e-300) for d in own]
+    for j in range(1, SHAKEN + 1):
+        near = sum((np.maximum(1.0 - np.abs(SHAKEN * x - j), 0.0) for x in shares), np.zeros(predictor.log.n))
+        yield f"demands near {j / SHAKEN:.2g} of the largest", near
 
 
 def _memories(fit: Fit, k: int) -> Iterator[tuple[str, Array]]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from ivsid.diagnosis.null.blows import BLOWS
 from ivsid.diagnosis.null.levels import STRUCTURE
 from ivsid.diagnosis.null.rule import Rule, first_refusal
 from ivsid.diagnosis.selection.adequacy import PARTED, REPEATS, RISK, ROUGHER, SCATTERED, Adequacy
@@ -131,6 +132,20 @@ OF_THE_WAY: Final = Rule[Left](
     "a force that repeats with the way through the water has probability {value:.1g}, and {limit:.1g} is the limit",
     lambda c: not c.little,
 )
+OF_BLOWS: Final = Rule[Left](
+    "blows",
+    "the strongest short force that nothing explains, over the declared ambient force beside errors of thrusts and readings at their bounds, or over the "
+    f"scatter of most of the log, whichever is less, where {100 * REST:g} % or more of the structure before is left, no cause was found or yaw is left out",
+    f"at most {BLOWS:g}",
+    "The mean square hardly shows a force that is short and seldom, and no function of the motion follows it. Noise is a sum of many pushes, and hardly ever reaches "
+    "six deviations.",
+    "make exam",
+    lambda c: c.after.blow.times,
+    lambda _: BLOWS,
+    "a short force that nothing explains is {value:.2g} times the declared ambient force and the scatter of most of the log, and {limit:g} times are none",
+    lambda c: not c.little,
+    least=False,
+)
 OF_FORCES: Final = Rule[Left](
     "force of no cause",
     "causes that passed every test and that one force of no cause explains as well, or better, or that do not dominate what is left, where "
@@ -157,4 +172,14 @@ OF_ROWS: Final = Rule[Left](
     lambda c: c.findings == 0,
     least=False,
 )
-VERDICT: Final = (STRUCTURE_RULE, OF_HULLS, OF_THE_SEA, OF_READINGS, OF_ONE_ANOTHER, OF_THE_WAY, OF_FORCES, OF_ROWS)
+VERDICT: Final = (
+    STRUCTURE_RULE,
+    OF_HULLS,
+    OF_THE_SEA,
+    OF_READINGS,
+    OF_ONE_ANOTHER,
+    OF_THE_WAY,
+    OF_BLOWS,
+    OF_FORCES,
+    OF_ROWS,
+)

@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from ivsid.diagnosis.null.blows import BLOWS
 from ivsid.diagnosis.null.modulated import FALL
 from ivsid.diagnosis.selection.adequacy import PARTED, REPEATS, ROUGHER, SCATTERED, Adequacy
 from ivsid.diagnosis.selection.dictionary import FELT, WRONG
@@ -106,6 +107,23 @@ def _repeated(left: Adequacy) -> Iterator[tuple[str, str]]:
         )
 
 
+def _struck(left: Adequacy) -> Iterator[tuple[str, str]]:
+    """The channel of a force that comes in blows, and a clause on it."""
+    one = left.blow
+    if one.times > BLOWS:
+        turns = one.channel == CHANNELS[2]
+        again = (
+            f" at {one.time:.0f} s"
+            if one.count < 2
+            else f", in {one.count} seconds of the log, the strongest at {one.time:.0f} s"
+        )
+        yield (
+            one.channel,
+            f"{'a moment' if turns else 'a force'} in {one.channel} of {one.load:.2g} {'N m' if turns else 'N'} comes in blows of a second or less{again}: a bow that slams, ice or "
+            "wood that is struck, a line that snatches and a sensor that jumps do so",
+        )
+
+
 def _of_force(left: Adequacy) -> tuple[str, str]:
     """What of the forces leaves its bound, and the test that shows it: of thrusts, or of forces that the log holds."""
     known = max(left.outside, key=lambda one: one[1], default=("", 0.0))[0].startswith("the known ")
@@ -179,7 +197,7 @@ def unknown(
             channel, z, text = said.channel, float(np.sqrt(most.fall)), wrong
         else:
             text += f"; {wrong}"
-    if odd := [*_rough(left), *_read_wrong(left), *_repeated(left)]:
+    if odd := [*_rough(left), *_read_wrong(left), *_repeated(left), *_struck(left)]:
         rest = [said for _, said in odd]
         if left.white and left.in_bounds:
             channel, z, text = odd[0][0], 0.0, "; ".join(rest)

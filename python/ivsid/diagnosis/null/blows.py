@@ -1,0 +1,140 @@
+"""A force in blows: short ones that come seldom, as a bow that slams, ice that is struck or a line that snatches.
+
+The mean square of a log hardly shows them, so that the noise is learnt with them, and no function of the motion follows them. Noise of any spectrum
+is a sum of many small pushes: it hardly ever reaches six of its deviations. So a force counts as a blow that is six times what most of the log scatters, and six
+times the declared ambient force beside all that errors of the thrusts and of the readings may make at that moment.
+
+Source: docs/theory.md, "Blows".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
+
+from ivsid.diagnosis.data.sensor_noise import NORMAL_MEDIAN
+from ivsid.diagnosis.estimation.fit import Fit
+from ivsid.diagnosis.estimation.noise import HALF, slopes_of
+from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.estimation.roughness import QUICK, allowed_ambient, bounds_of_thrusts, told
+from ivsid.effects import CHANNELS
+from ivsid.vehicle.sensors import InertialSensor, VelocitySensor
+
+Array = NDArray[np.float64]
+# Deviations of the noise from which on a force is a blow.
+# Source: definition: a normal error is beyond six of its deviations twice in a thousand million
+BLOWS: Final = 6.0
+# Whitened errors of which the largest has to be beyond this for a log to be asked.
+# Source: definition: a normal error of a hundred thousand is beyond 4.4, and a blow is beyond six in its own units
+SEEN: Final = 5.0
+# Readings whose median stands for a fifth of a second at the least.
+# Source: definition: a single one that is wrong moves no median of three
+MEDIAN: Final = 3
+# Samples in half a second from which on a slope is one over a second.
+# Source: definition: a mean has two at the least
+SLOPED: Final = 2
+
+
+@dataclass(frozen=True)
+class Blow:
+    """The strongest of them.
+
+    Attributes:
+        channel: in which it acts.
+        times: force over the declared ambient one, beside all errors at their bounds, or over the scatter of most of the log, whichever is less.
+        load: force [N] or moment [N m].
+        time: at which it acts, from the first row of the log [s].
+        count: seconds of the log that are beyond ``BLOWS``.
+    """
+
+    channel: str = CHANNELS[0]
+    times: float = 0.0
+    load: float = 0.0
+    time: float = 0.0
+    count: int = 0
+
+
+def blow(fit: Fit) -> Blow:
+    """The strongest blow in what a model leaves, by slopes over a second and by what accelerometers read for a fifth of one.
+
+    Args:
+        fit: of the model.
+    """
+    g, noise = fit.gram, fit.noise
+    predictor, rows = noise.predictor, len(noise.predictor.labels)
+    base = list(fit.base)
+    left = g.y - g.explained(base, Projection(g, base).coefficients)
+    white = left.reshape(-1, rows, g.length).transpose(1, 0, 2).reshape(rows, -1)
+    told_of = [k for k, (axis, _) in enumerate(predictor.labels) if axis < len(CHANNELS)]
+    if np.abs(white[told_of]).max(initial=0.0) <= SEEN:
+        return Blow()
+    errors = np.zeros((rows, noise.good.size))
+    errors[:, : white.shape[1]] = noise.whitening.undone(white)
+    inertia, declared = allowed_ambient(predictor.vehicle, fit.states.h.values)
+    near = 2 * round(2 * HALF / predictor.log.h) + 1
+    thrusts = sum((np.abs(x) for x in bounds_of_thrusts(predictor)), np.zeros((3, noise.good.size)))
+    # A demand that jumps within the second changes its error as well.
+    thrusts = maximum_filter1d(thrusts[:, : noise.good.size], near, axis=1) / inertia[:, None]
+    best = Blow()
+    for k, x, at, read in _forces(fit, errors):
+        found = _strongest(x, declared[k], thrusts[k, at] + read)
+        if found is not None and found[0] > best.times:
+            times, i, beyond = found
+            seconds = np.unique((at[beyond] * predictor.log.h).astype(np.int64)).size
+            best = Blow(CHANNELS[k], times, float(inertia[k] * abs(x[i])), float(at[i] * predictor.log.h), seconds)
+    return best
+
+
+def _strongest(x: Array, declared: float, errors: Array) -> tuple[float, int, NDArray[np.bool_]] | None:
+    """The largest times of a force, its sample, and the samples beyond ``BLOWS``; None where the most of it does not scatter.
+
+    Args:
+        x: accelerations, shape (m,).
+        declared: deviation of the declared ambient one.
+        errors: what errors of thrusts and readings may make of each at their bounds, shape (m,).
+    """
+    if not x.size:
+        return None
+    size = np.abs(x - np.median(x))
+    usual = float(np.median(size)) / NORMAL_MEDIAN
+    if not usual > 0:
+        return None
+    times = np.minimum((size - errors) / declared, size / usual)
+    i = int(np.argmax(times))
+    return float(times[i]), i, times > BLOWS
+
+
+def _forces(fit: Fit, errors: Array) -> Iterator[tuple[int, Array, NDArray[np.int64], float]]:
+    """Accelerations that errors stand for: axis, values, their samples, and what an error of the readings at its bound makes of one."""
+    noise = fit.noise
+    predictor = noise.predictor
+    h, sensors = predictor.log.h, predictor.vehicle.sensors
+    half, window = round(HALF / h), max(MEDIAN, round(QUICK / h))
+    if half >= SLOPED:
+        # A slope holds the readings of a second and a half.
+        whole = minimum_filter1d(noise.good, 4 * half + 1)
+        read_by = (sensors.velocity, sensors.velocity, sensors.yaw_rate)
+        for k, (slope, counts) in enumerate(slopes_of(predictor, errors, noise.good)):
+            if told(predictor, k, noise.left_out):
+                at = np.flatnonzero(counts & whole[half:][: counts.size])
+                # The means of both its halves may be off by all of it, to either side.
+                yield k, slope[at], at + half, _accuracy(read_by[k]) / HALF
+    row = 0
+    for k, here in enumerate(predictor.axes[:2]):
+        own = errors[row : row + len(here.outputs)]
+        row += len(here.outputs)
+        if "acceleration" in here.outputs and told(predictor, k, noise.left_out) and window * h <= HALF:
+            expected, _ = here.ambient(own)
+            read = median_filter(own[here.outputs.index("acceleration")] + expected, window)
+            at = np.flatnonzero(noise.good)
+            yield k, read[at], at, _accuracy(sensors.acceleration)
+
+
+def _accuracy(sensor: VelocitySensor | InertialSensor | None) -> float:
+    """Stated accuracy of a sensor, 0 without one."""
+    return sensor.accuracy if sensor is not None else 0.0

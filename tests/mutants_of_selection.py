@@ -18,6 +18,13 @@ SELECTION = (
         "test_modulated.py",
     ),
     python(
+        "accelerometers that nothing shakes",
+        "diagnosis/selection/dictionary.py",
+        '"the other axis": felt[1 - k], **shaken}',
+        '"the other axis": felt[1 - k]}',
+        "test_blows.py",
+    ),
+    python(
         "fits that start at limits of hulls alone",
         "diagnosis/selection/rivals.py",
         "    if not at_limits(fit):\n",
@@ -146,8 +153,8 @@ SELECTION = (
     python(
         "vortices inside the declared force",
         "diagnosis/selection/verdict.py",
-        "OF_ONE_ANOTHER, OF_THE_WAY, OF_FORCES",
-        "OF_ONE_ANOTHER, OF_FORCES",
+        "OF_ONE_ANOTHER, OF_THE_WAY, OF_BLOWS, OF_FORCES",
+        "OF_ONE_ANOTHER, OF_BLOWS, OF_FORCES",
         "test_rhythm.py",
     ),
     python(

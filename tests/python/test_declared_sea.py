@@ -3,14 +3,16 @@
 import math
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
-from tests.exam.cases import setting
+from tests.exam.cases import case, setting
 
-from diagnosis_logs import train_of, vehicle_of
+from diagnosis_logs import logs_of_case, train_of, vehicle_of
 from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.estimation.projection import least_length
 from ivsid.diagnosis.null.screening import DECLARED_SEA, Case
 from ivsid.diagnosis.selection.rivals import possible
 from ivsid.effects import EFFECTS, Given
@@ -38,6 +40,7 @@ def swell(amplitude, shown, force=FORCE):
         candidate=SimpleNamespace(effect=effect, given=lambda x: Given(effect, x)),
         values=tuple(numbers[p.part] for p in effect.parameters),
         shown=shown,
+        columns=(0,),
     )
     return Case(SimpleNamespace(fit=SimpleNamespace(noise=SimpleNamespace(predictor=predictor))), s)
 
@@ -52,6 +55,28 @@ def test_a_swell_counts_from_the_rms_of_the_declared_force_on():
     assert DECLARED_SEA.refuses(swell(1.4 * rms * math.sqrt(2), 100.0)) is not None
     assert DECLARED_SEA.refuses(swell(1.45 * rms * math.sqrt(2), 100.0)) is None
     assert DECLARED_SEA.refuses(swell(1e-3, 30.0, force=None)) is None
+
+
+def test_the_least_size_of_a_force_is_that_of_what_the_log_knows():
+    """Ahead a log knows 3 N to 0.1 N, sideways nothing of -8 N; where it knows all directions alike, three errors of the length are less."""
+    theta = np.array([3.0, -8.0])
+    blind = least_length(theta, np.diag([100.0, 1e-6]), 3.0)
+    assert blind == pytest.approx((3.0 - 0.3) / math.hypot(*theta), rel=1e-3)
+    same = least_length(theta, 4.0 * np.eye(2), 3.0)
+    assert same == pytest.approx(1.0 - 3.0 / (2.0 * math.hypot(*theta)))
+    # By vertices of the ellipse, as finely as they are drawn.
+    turned = np.array([[5.0, 2.0], [2.0, 1.5]])
+    around = np.linspace(0.0, 2.0 * np.pi, 20001)
+    circle = 3.0 * np.linalg.solve(np.linalg.cholesky(turned).T, np.stack([np.cos(around), np.sin(around)]))
+    nearest = np.linalg.norm(theta[:, None] + circle, axis=0).min()
+    assert least_length(theta, turned, 3.0) * math.hypot(*theta) == pytest.approx(nearest, rel=1e-6)
+
+
+def test_a_square_wave_inside_the_declared_force_is_no_swell_on_a_line():
+    """Its size sideways is mostly error: the swell was 1.4 N rms, of which 0.3 N ahead, and 0.36 N are declared."""
+    c = case(271059, what="none", sea="any", sensors="any")
+    found = diagnose(parse_vehicle(c.text, "v.toml"), *logs_of_case(c), null_logs=0)
+    assert found.verdict == "adequate" and not found.findings
 
 
 @pytest.mark.parametrize(("amplitude", "can"), [(19.0, False), (21.0, True)])
@@ -96,6 +121,7 @@ def test_a_tide_that_pushes_less_than_the_declared_force_is_a_part_of_it(metres,
         candidate=SimpleNamespace(effect=effect, given=lambda x: Given(effect, x)),
         values=tuple(numbers[p.part] for p in effect.parameters),
         shown=1e6,
+        columns=(0,),
     )
     assert (DECLARED_SEA.refuses(Case(SimpleNamespace(fit=fit), s)) is not None) is refused
 

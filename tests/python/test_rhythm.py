@@ -21,15 +21,16 @@ HOW = {"kind": "vectored", "style": "rich", "duration": 300.0, "rate": 10.0, "am
 SEED, LENGTH = 270001, 1.3
 
 
-def made(force=None):
+def made(force=None, **how):
     """A vehicle with its logs, and a force Y of the time and the speed ahead in both."""
+    how = {**HOW, **how}
     patch = pytest.MonkeyPatch()
     try:
         if force is None:
-            c = case(SEED, what="none", **HOW)
+            c = case(SEED, what="none", **how)
         else:
             patch.setitem(physics.PLACE, "x.house", lambda _, t, u, psi, x, y: (0.0, force(t, u), 0.0))
-            c = case(SEED, what="outside", effect="x.house", size=1.0, **HOW)
+            c = case(SEED, what="outside", effect="x.house", size=1.0, **how)
     finally:
         patch.undo()
     return parse_vehicle(c.text, "v.toml"), *logs_of_case(c)

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
+from scipy.optimize import brentq
 
 from ivsid.diagnosis.estimation.cross_products import Gram
 
@@ -19,6 +20,9 @@ NOTHING_LEFT: Final = 1e-10
 # Least eigenvalue of the correlation matrix of further columns along which coefficients are solved for.
 # Source: geometry: half the digits of a double
 LEAST_EIGENVALUE: Final = 1e-8
+# Logarithm of the range of pulls on coefficients, over the largest eigenvalue.
+# Source: resource: beyond all numbers that a double tells from none or from all
+PULLS: Final = 60.0
 
 
 def largest_fall(g: Gram, base: Sequence[int], x: Array) -> float:
@@ -34,6 +38,28 @@ def largest_fall(g: Gram, base: Sequence[int], x: Array) -> float:
     wide = g.joined([f"{k}" for k in range(len(x))], x.reshape(len(x), *g.y.shape), np.ones(len(x)))
     p, first = Projection(wide, base), len(g.names)
     return max(fall if theta[0] > 0.0 else 0.0 for theta, fall in (p.solve([first + k]) for k in range(len(x))))
+
+
+def least_length(theta: Array, information: Array, errors: float) -> float:
+    """Least length of coefficients within some standard errors of the fitted ones, over that of these.
+
+    Where a log hardly shows one direction of a force, as sideways on a line, its size there is mostly error.
+
+    Args:
+        theta: fitted coefficients of one unit, shape (n,), farther from zero than that.
+        information: on them, shape (n, n).
+        errors: standard errors.
+    """
+    values, vectors = np.linalg.eigh(information)
+    values, along = np.maximum(values, 0.0), vectors.T @ theta
+
+    def pulled(force: float) -> Array:
+        return values / (values + np.exp(force))
+
+    # The shortest lies where a pull to zero leaves this distance.
+    ends = np.log(float(values.max())) + np.array([-PULLS, PULLS])
+    force = brentq(lambda f: float(np.sum(values * (along * (1.0 - pulled(f))) ** 2)) - errors**2, *ends)
+    return float(np.linalg.norm(along * pulled(force)) / np.linalg.norm(along))
 
 
 class Projection:

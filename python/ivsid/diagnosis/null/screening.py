@@ -15,7 +15,7 @@ import numpy as np
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
-from ivsid.diagnosis.estimation.projection import Projection
+from ivsid.diagnosis.estimation.projection import Projection, least_length
 from ivsid.diagnosis.estimation.roughness import ERRORS
 from ivsid.diagnosis.null.gradual import BETTER, CURVED, most_beyond
 from ivsid.diagnosis.null.inside_cells import CLEAR
@@ -114,6 +114,17 @@ class Case:
         sea, effect = fit.noise.predictor.vehicle.ambient, given.effect
         numbers = dict(zip((p.part for p in effect.parameters), given.values, strict=True))
         return effect.form.over_declared(numbers, 0.0 if sea is None else sea.force, lambda: fit.signatures.push(given))
+
+    @property
+    def least_share(self) -> float:
+        """Least size of the cause that the log allows, over the fitted one."""
+        s, fit, at = self.s, self.round.fit, list(self.s.columns)
+        if len(at) == 1 or s.shown <= ERRORS**2:
+            return 1.0 - ERRORS / float(np.sqrt(s.shown))
+        theta, unit = np.array(s.theta), fit.gram.unit[at]
+        information = fit.projection.information(at) * np.outer(unit, unit)
+        # Errors inside their bounds may make a part of the fall.
+        return least_length(theta, information * (s.shown / float(theta @ information @ theta)), ERRORS)
 
     @property
     def least_beside_blind(self) -> float:
@@ -304,8 +315,8 @@ DECLARED_SEA: Final = Rule[Case](
     "rms of a swell, or of what a current that moves to and fro does to the hull, at the least, over the declared ambient force",
     "at least 1",
     "An ambient force may have any spectrum, that of a single line as well: a regular force inside [ambient] is what the vehicle file declares.",
-    "definition: 0.13 % of normal estimates lie three standard errors or more above the truth",
-    lambda c: c.over_declared * (1.0 - ERRORS / float(np.sqrt(c.s.shown))),
+    "definition: 0.13 % of normal estimates lie three standard errors or more above the truth, in the direction in which the log knows it least",
+    lambda c: c.over_declared * c.least_share,
     lambda _: 1.0,
     "the rms of its force is at least {value:.2g} of the ambient force that the vehicle file declares, and below {limit:g} it is a part of that",
     lambda c: c.over_declared < float("inf"),

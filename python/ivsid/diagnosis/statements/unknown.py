@@ -41,7 +41,7 @@ def _read(regressor: str) -> str:
     if regressor.startswith(WRONG):
         return "; a gyro that feels accelerations or is filtered, or whose scale drifts, does so: turns both ways at rest and at speed beside a compass show it"
     if regressor.startswith(FELT):
-        return "; an accelerometer whose scale is off, or that feels its other axis, does so: readings at rest on each of its sides show it"
+        return "; an accelerometer whose scale is off, that feels its other axis, or that a bracket that swings with the thrusters shakes does so: readings at rest on each of its sides, with the thrusters off and at each demand, show it"
     if regressor.startswith("thrust of "):
         return f"; {_SUGGESTED['thrust']}"
     if "known" in regressor:

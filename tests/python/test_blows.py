@@ -1,0 +1,101 @@
+"""Forces that are short and seldom, and accelerometers that are shaken: struck through the examiner's simulator, or added to its readings."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ivsid import diagnose
+from ivsid.diagnosis.null import blows as module
+from ivsid.diagnosis.null.blows import BLOWS, blow
+from ivsid.diagnosis.selection.adequacy import adequacy
+from ivsid.diagnosis.statements.unknown import unknown
+from test_own_past import with_errors
+from test_rhythm import fitted, made
+
+TIMES = (71.3, 118.6, 207.9)
+
+
+# A sea that the accelerometer shows within a fifth of a second.
+SEA = {"ambient": 10.0}
+
+
+@pytest.fixture(scope="module")
+def sound():
+    return made(**SEA)
+
+
+def struck(load, length=0.4):
+    """A force of half a sine at each time [N], and none between."""
+
+    def force(t, _):
+        past = min((t - q for q in TIMES if t >= q), default=length)
+        return load * float(np.sin(np.pi * past / length)) if past < length else 0.0
+
+    return force
+
+
+def test_blows_of_the_declared_mean_square_are_unknown_and_said(sound):
+    # Half a sine for four seconds in a thousand: sixteen times the declared force at its height is 0.7 of it rms.
+    load = 16.0 * sound[0].ambient.force
+    found = diagnose(*made(struck(load), **SEA), null_logs=0)
+    (one,) = found.findings
+    left = found.adequacy[1]
+    assert found.verdict == "unknown" and one.effect == "unknown" and one.evidence["channel"] == "sway"
+    # Nothing else says so.
+    assert left.white and left.in_bounds and left.roughest < 1.0 and left.rhythm.chance == 1.0
+    assert 0.5 * load < left.blow.load < 1.1 * load and 2 <= left.blow.count <= 2 * len(TIMES)
+    assert min(abs(left.blow.time - q) for q in TIMES) < 1.0
+    assert "comes in blows of a second or less" in one.description
+
+
+@pytest.mark.parametrize("size", [0.0, 2.0])
+def test_a_sound_log_and_short_forces_of_a_few_deviations_are_none(sound, size):
+    vehicle, train, _ = made(struck(size * sound[0].ambient.force), **SEA) if size else sound
+    found = adequacy(fitted(vehicle, train))
+    assert found.quiet and found.blow.times < BLOWS
+
+
+def test_white_errors_hold_no_blow(sound, monkeypatch):
+    """White errors in place of the log's, all of them asked: the largest is that of as many normal ones."""
+    fit = fitted(sound[0], sound[1])
+    rows = len(fit.noise.predictor.labels)
+    monkeypatch.setattr(module, "SEEN", 0.0)
+    for seed in range(20):
+        white = np.random.default_rng(seed).standard_normal((rows, fit.gram.y.size // rows))
+        assert 0.0 < blow(with_errors(fit, white)).times < BLOWS - 1.0
+
+
+@pytest.mark.parametrize(("readings", "struck"), [(1, False), (4, True)])
+def test_one_wrong_reading_of_an_accelerometer_is_no_force(sound, readings, struck):
+    vehicle, train, _ = sound
+    read = train.columns["ay"].copy()
+    read[1500 : 1500 + readings] += 20.0 * vehicle.ambient.force / vehicle.hull.mass
+    log = replace(train, columns={**train.columns, "ay": read})
+    assert (blow(fitted(vehicle, log)).times > BLOWS) == struck
+
+
+def test_what_errors_of_thrusts_and_readings_may_make_is_no_blow():
+    rng = np.random.default_rng(5)
+    x = rng.standard_normal(5000)
+    x[2000] = 12.0
+    free, bound = np.zeros(5000), np.full(5000, 7.0)
+    times, i, beyond = module._strongest(x, 1.0, free)
+    assert i == 2000 and 11.0 < times < 13.0 and beyond.sum() == 1
+    assert module._strongest(x, 1.0, bound)[0] < BLOWS
+    # Of a declared force of three times what the log shows it is four times, and none of a log that scatters as much.
+    assert module._strongest(x, 3.0, free)[0] == pytest.approx(4.0, rel=0.05)
+    assert module._strongest(4.0 * rng.standard_normal(5000), 0.1, free)[0] < BLOWS
+
+
+def test_an_accelerometer_that_is_shaken_near_one_demand_is_unknown(sound):
+    """An offset that its mounting makes near a third of the largest demand of each thruster, as of a bracket that swings."""
+    vehicle, train, _ = sound
+    from_neutral = [np.abs(train.columns[f"demand_{t.name}"]) for t in vehicle.thrusters]
+    near = sum(np.exp(-((np.abs(x / x.max() - 0.35) / 0.06) ** 2)) for x in from_neutral)
+    offset = 0.03 * near
+    read = replace(train, columns={**train.columns, "ax": train.columns["ax"] + offset})
+    left = adequacy(fitted(vehicle, read))
+    assert not left.white and "acceleration read wrong with demands near" in left.strongest[0][0]
+    assert "a bracket that swings" in unknown(left, []).description
+    assert adequacy(fitted(vehicle, train)).white

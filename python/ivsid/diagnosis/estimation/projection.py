@@ -54,7 +54,7 @@ def least_length(theta: Array, information: Array, errors: float) -> float:
     values, along = np.maximum(values, 0.0), vectors.T @ theta
 
     def pulled(force: float) -> Array:
-        return values / (values + np.exp(force))
+        return np.asarray(values / (values + np.exp(force)))
 
     # The shortest lies where a pull to zero leaves this distance.
     ends = np.log(float(values.max())) + np.array([-PULLS, PULLS])

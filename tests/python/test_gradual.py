@@ -81,6 +81,8 @@ def test_curves_decide_where_they_leave_something_and_reverse_the_order(monkeypa
     assert one.abrupt(s) == starts
 
 
+# Nightly: two causes; the gate has the next failure, and the order of both forces by their falls above.
+@pytest.mark.nightly
 def test_a_failure_that_errors_of_thrusts_make_look_gradual_starts_at_a_time():
     """Thrust errors in levels of the demand, which drifts over minutes, made a failure of a quarter of the usual size gradual by 30 in chi-squared."""
     result = diagnose(*drawn(263003, what="two"))

@@ -69,6 +69,8 @@ def test_states_of_a_poor_log_of_velocities_settle(poor, monkeypatch):
     assert (np.sqrt(np.mean((left(40) - many) ** 2, axis=1)) > size).any()
 
 
+# Nightly: a whole diagnosis; that its passes settle stands above.
+@pytest.mark.nightly
 def test_a_cause_is_named_whose_full_fit_ran_away(poor):
     """A centre of gravity aft had a fall of 60,000 by its score and none by its full fit: the verdict was `unknown`."""
     result = diagnose(poor, *logs_of(poor, HIDDEN), null_logs=0)

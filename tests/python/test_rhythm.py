@@ -12,7 +12,10 @@ from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null import rhythm as module
 from ivsid.diagnosis.null.rhythm import rhythm
+from ivsid.diagnosis.null.rule import first_refusal
 from ivsid.diagnosis.selection.adequacy import REPEATS, adequacy
+from ivsid.diagnosis.selection.verdict import OF_THE_WAY, VERDICT, Left
+from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.vehicle import parse_vehicle
 from test_curves_together import with_log
 from test_own_past import with_errors
@@ -59,6 +62,8 @@ def test_vortices_are_a_line_over_the_way(sound):
     found = adequacy(fitted(vehicle, train))
     assert found.rhythm.channel == "sway" and found.rhythm.length == pytest.approx(LENGTH, rel=0.02)
     assert found.rhythm.chance < REPEATS and not found.quiet
+    assert "m of the way through the water" in unknown(found, []).description
+    assert first_refusal(VERDICT, Left(found, found, 0)).rule == OF_THE_WAY.name
     # Nothing else says so: over time it is a force inside the declared one.
     assert found.white and found.in_bounds and found.roughest < 1.0
 
@@ -87,6 +92,8 @@ def test_a_swell_at_a_steady_speed_is_a_line_over_time_first(sound, monkeypatch)
     assert found.chance < REPEATS and found.length == pytest.approx(1.0, rel=0.01)
 
 
+# Nightly: a whole diagnosis; the gate has the adequacy of the same log above, which decides.
+@pytest.mark.nightly
 def test_vortices_are_unknown_and_said(sound):
     found = diagnose(*made(shed(sound, 0.7)), null_logs=0)
     (one,) = found.findings

@@ -31,6 +31,8 @@ def test_a_cause_of_up_to_twice_its_usual_size_is_not_unusual(usual, shown, refu
     assert (VISIBLE_RULE.refuses(Case(here, s)) is not None) == refused
 
 
+# Nightly: two causes of a minute; the rule itself stands above.
+@pytest.mark.nightly
 def test_a_thrust_curve_that_the_log_hardly_shows_is_named_beside_a_lever_arm():
     """At its usual size the curve would stand out by 3.4 standard deviations; the log holds 1.8 of that, and no thrust error inside its accuracy makes any of it."""
     c = case(263007, what="two")

@@ -225,6 +225,13 @@ DIAGNOSIS = (
         "test_blows.py",
     ),
     python(
+        "noise of a sensor as a blow",
+        "diagnosis/null/blows.py",
+        "float(np.hypot(declared[k], noisy))",
+        "float(declared[k])",
+        "test_blows.py",
+    ),
+    python(
         "one wrong reading as a force",
         "diagnosis/null/blows.py",
         'median_filter(own[here.outputs.index("acceleration")] + expected, window)',

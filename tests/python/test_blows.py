@@ -75,6 +75,19 @@ def test_white_errors_hold_no_blow(sound, monkeypatch):
         assert 0.0 < blow(with_errors(fit, white)).times < BLOWS - 1.0
 
 
+def test_sensors_that_are_noisy_now_and_then_as_they_are_specified_hold_none(monkeypatch):
+    """White errors of a calm sea, of a third of the log's size but for five seconds in fifty: the noise of the sensors scatters as they are specified."""
+    vehicle, train, _ = made(ambient=0.1)
+    fit = fitted(vehicle, train)
+    rows, h = len(fit.noise.predictor.labels), fit.noise.predictor.log.h
+    monkeypatch.setattr(module, "SEEN", 0.0)
+    count = fit.gram.y.size // rows
+    size = np.where(h * np.arange(count) % 50.0 < 5.0, 1.0, 0.3)
+    for seed in range(10):
+        found = blow(with_errors(fit, size * np.random.default_rng(seed).standard_normal((rows, count))))
+        assert 0.0 < found.times < BLOWS
+
+
 @pytest.mark.parametrize(("readings", "struck"), [(1, False), (4, True)])
 def test_one_wrong_reading_of_an_accelerometer_is_no_force(sound, readings, struck):
     vehicle, train, _ = sound

@@ -52,15 +52,7 @@ def sensor_noise(
         h: step of the clock [s].
         steps: of the coarse scales that readings are rounded to, by channel.
     """
-    specified: dict[str, float | None] = {}
-    velocity = None if sensors.velocity is None else sensors.velocity.accuracy / SIGMAS_OF_ACCURACY
-    specified |= {"u": velocity, "v": velocity}
-    specified["r"] = None if sensors.yaw_rate is None else sensors.yaw_rate.random_walk / np.sqrt(h)
-    for axis, name in enumerate(("ax", "ay")):
-        specified[name] = None if sensors.acceleration is None else sensors.acceleration.walk(axis) / np.sqrt(h)
-    specified["psi"] = None if sensors.heading is None else sensors.heading.accuracy / SIGMAS_OF_ACCURACY
-    place = None if sensors.position is None else sensors.position.accuracy / SIGMAS_OF_ACCURACY
-    specified |= {"x": place, "y": place}
+    specified = specified_noise(sensors, h)
     found = {}
     for name, x in readings.items():
         if x is None:
@@ -74,6 +66,25 @@ def sensor_noise(
         size = max(size, steps.get(name, 0.0) / np.sqrt(12))
         found[name] = max(size, LEAST_SHARE * float(np.std(x)), LEAST)
     return found
+
+
+def specified_noise(sensors: Sensors, h: float) -> dict[str, float | None]:
+    """Standard deviation of the white noise that each channel's sensor is specified for, by channel, None without a sensor.
+
+    Args:
+        sensors: of the vehicle file.
+        h: step of the clock [s].
+    """
+    specified: dict[str, float | None] = {}
+    velocity = None if sensors.velocity is None else sensors.velocity.accuracy / SIGMAS_OF_ACCURACY
+    specified |= {"u": velocity, "v": velocity}
+    specified["r"] = None if sensors.yaw_rate is None else sensors.yaw_rate.random_walk / np.sqrt(h)
+    for axis, name in enumerate(("ax", "ay")):
+        specified[name] = None if sensors.acceleration is None else sensors.acceleration.walk(axis) / np.sqrt(h)
+    specified["psi"] = None if sensors.heading is None else sensors.heading.accuracy / SIGMAS_OF_ACCURACY
+    place = None if sensors.position is None else sensors.position.accuracy / SIGMAS_OF_ACCURACY
+    specified |= {"x": place, "y": place}
+    return specified
 
 
 def scale_step(x: Array) -> float:

@@ -2,7 +2,7 @@
 
 The mean square of a log hardly shows them, so that the noise is learnt with them, and no function of the motion follows them. Noise of any spectrum
 is a sum of many small pushes: it hardly ever reaches six of its deviations. So a force counts as a blow that is six times what most of the log scatters, and six
-times the declared ambient force beside all that errors of the thrusts and of the readings may make at that moment.
+times the declared ambient force with the noise of the sensor, beside all that errors of the thrusts and of the readings may make at that moment.
 
 Source: docs/theory.md, "Blows".
 """
@@ -17,13 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
-from ivsid.diagnosis.data.sensor_noise import NORMAL_MEDIAN
+from ivsid.diagnosis.data.sensor_noise import NORMAL_MEDIAN, specified_noise
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.noise import HALF, slopes_of
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.roughness import QUICK, allowed_ambient, bounds_of_thrusts, told
+from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.effects import CHANNELS
-from ivsid.vehicle.sensors import InertialSensor, VelocitySensor
+from ivsid.vehicle.sensors import AccuracySensor, InertialSensor, VelocitySensor
 
 Array = NDArray[np.float64]
 # Deviations of the noise from which on a force is a blow.
@@ -81,8 +82,8 @@ def blow(fit: Fit) -> Blow:
     # A demand that jumps within the second changes its error as well.
     thrusts = maximum_filter1d(thrusts[:, : noise.good.size], near, axis=1) / inertia[:, None]
     best = Blow()
-    for k, x, at, read in _forces(fit, errors):
-        found = _strongest(x, declared[k], thrusts[k, at] + read)
+    for k, x, at, noisy, read in _forces(fit, errors):
+        found = _strongest(x, float(np.hypot(declared[k], noisy)), thrusts[k, at] + read)
         if found is not None and found[0] > best.times:
             times, i, beyond = found
             seconds = np.unique((at[beyond] * predictor.log.h).astype(np.int64)).size
@@ -95,7 +96,7 @@ def _strongest(x: Array, declared: float, errors: Array) -> tuple[float, int, ND
 
     Args:
         x: accelerations, shape (m,).
-        declared: deviation of the declared ambient one.
+        declared: deviation of the declared ambient one and of the sensor's noise.
         errors: what errors of thrusts and readings may make of each at their bounds, shape (m,).
     """
     if not x.size:
@@ -109,8 +110,8 @@ def _strongest(x: Array, declared: float, errors: Array) -> tuple[float, int, ND
     return float(times[i]), i, times > BLOWS
 
 
-def _forces(fit: Fit, errors: Array) -> Iterator[tuple[int, Array, NDArray[np.int64], float]]:
-    """Accelerations that errors stand for: axis, values, their samples, and what an error of the readings at its bound makes of one."""
+def _forces(fit: Fit, errors: Array) -> Iterator[tuple[int, Array, NDArray[np.int64], float, float]]:
+    """Accelerations that errors stand for: axis, values, their samples, and what the sensor's noise and an error at its bound make of one."""
     noise = fit.noise
     predictor = noise.predictor
     h, sensors = predictor.log.h, predictor.vehicle.sensors
@@ -118,12 +119,18 @@ def _forces(fit: Fit, errors: Array) -> Iterator[tuple[int, Array, NDArray[np.in
     if half >= SLOPED:
         # A slope holds the readings of a second and a half.
         whole = minimum_filter1d(noise.good, 4 * half + 1)
-        read_by = (sensors.velocity, sensors.velocity, sensors.yaw_rate)
+        # The means of both halves may be off by all of the accuracy, to either side; a yaw rate by a heading is a slope itself.
+        turned = predictor.log.turned
+        velocity, rate = (
+            _accuracy(sensors.velocity),
+            4.0 * _accuracy(sensors.heading) if turned else _accuracy(sensors.yaw_rate),
+        )
+        off = np.array([velocity, velocity, rate]) / HALF
         for k, (slope, counts) in enumerate(slopes_of(predictor, errors, noise.good)):
             if told(predictor, k, noise.left_out):
                 at = np.flatnonzero(counts & whole[half:][: counts.size])
-                # The means of both its halves may be off by all of it, to either side.
-                yield k, slope[at], at + half, _accuracy(read_by[k]) / HALF
+                noisy = 0.0 if turned and k == 2 else _noise(predictor, "uvr"[k]) * np.sqrt(2.0 / half) / (2.0 * HALF)
+                yield k, slope[at], at + half, noisy, float(off[k])
     row = 0
     for k, here in enumerate(predictor.axes[:2]):
         own = errors[row : row + len(here.outputs)]
@@ -132,9 +139,17 @@ def _forces(fit: Fit, errors: Array) -> Iterator[tuple[int, Array, NDArray[np.in
             expected, _ = here.ambient(own)
             read = median_filter(own[here.outputs.index("acceleration")] + expected, window)
             at = np.flatnonzero(noise.good)
-            yield k, read[at], at, _accuracy(sensors.acceleration)
+            # The median of normal numbers scatters by the root of pi / 2 more than their mean.
+            noisy = _noise(predictor, ("ax", "ay")[k]) * np.sqrt(0.5 * np.pi / window)
+            yield k, read[at], at, noisy, _accuracy(sensors.acceleration)
 
 
-def _accuracy(sensor: VelocitySensor | InertialSensor | None) -> float:
+def _noise(predictor: Predictor, channel: str) -> float:
+    """Standard deviation of a channel's white noise, as its sensor is specified or as the log shows it, whichever is more."""
+    log = predictor.log
+    return max(log.noise[channel], specified_noise(predictor.vehicle.sensors, log.h)[channel] or 0.0)
+
+
+def _accuracy(sensor: VelocitySensor | InertialSensor | AccuracySensor | None) -> float:
     """Stated accuracy of a sensor, 0 without one."""
     return sensor.accuracy if sensor is not None else 0.0

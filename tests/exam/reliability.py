@@ -82,7 +82,8 @@ def drawing(rows: Sequence[dict], path: Path) -> None:
             reach = [[t - b for t, b in zip(true, low, strict=True)], [a - t for t, a in zip(true, high, strict=True)]]
             axes.errorbar(p, true, reach, fmt=marker, capsize=3, label=what)
     axes.set(xlabel="probability that was said", ylabel="share that was right", xlim=(0, 1.02), ylim=(0, 1.02))
-    axes.legend(loc="lower right")
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower right")
     with rc_context({"svg.hashsalt": "reliability"}):
         figure.savefig(path, metadata={"Date": None})
 

@@ -54,3 +54,9 @@ def test_the_same_examination_draws_the_same_bytes(tmp_path):
     for path in drawings:
         drawing(ROWS, path)
     assert drawings[0].read_bytes() == drawings[1].read_bytes()
+
+
+def test_an_examination_without_findings_draws_no_legend(tmp_path):
+    """Nulls that are all adequate ended in a warning of Matplotlib."""
+    drawing([{"verdict": "adequate", "truth": {}, "z": {}}], tmp_path / "none.svg")
+    assert b"legend" not in (tmp_path / "none.svg").read_bytes() != b""

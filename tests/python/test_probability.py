@@ -56,6 +56,7 @@ def test_the_same_examination_draws_the_same_bytes(tmp_path):
     assert drawings[0].read_bytes() == drawings[1].read_bytes()
 
 
+@pytest.mark.figures
 def test_an_examination_without_findings_draws_no_legend(tmp_path):
     """Nulls that are all adequate ended in a warning of Matplotlib."""
     drawing([{"verdict": "adequate", "truth": {}, "z": {}}], tmp_path / "none.svg")

@@ -225,6 +225,13 @@ DIAGNOSIS = (
         "test_blows.py",
     ),
     python(
+        "fitted errors of thrusts as a blow",
+        "diagnosis/null/blows.py",
+        "white = _rows(curve.g, range(len(curve.g.names)), curve.projection.coefficients, rows)",
+        "white = white + 0.0 * len(curve.g.names)",
+        "test_blows.py",
+    ),
+    python(
         "noise of a sensor as a blow",
         "diagnosis/null/blows.py",
         "float(np.hypot(declared[k], noisy))",

@@ -4,14 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.exam.cases import case
 
+from diagnosis_logs import logs_of_case
 from ivsid import diagnose
 from ivsid.diagnosis.null import blows as module
 from ivsid.diagnosis.null.blows import BLOWS, blow
+from ivsid.diagnosis.null.leaving import Others
 from ivsid.diagnosis.null.rule import first_refusal
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.verdict import OF_BLOWS, VERDICT, Left
 from ivsid.diagnosis.statements.unknown import unknown
+from ivsid.vehicle import parse_vehicle
 from test_own_past import with_errors
 from test_rhythm import fitted, made
 
@@ -72,7 +76,7 @@ def test_white_errors_hold_no_blow(sound, monkeypatch):
     monkeypatch.setattr(module, "SEEN", 0.0)
     for seed in range(20):
         white = np.random.default_rng(seed).standard_normal((rows, fit.gram.y.size // rows))
-        assert 0.0 < blow(with_errors(fit, white)).times < BLOWS - 1.0
+        assert 0.0 < blow(Others(with_errors(fit, white))).times < BLOWS - 1.0
 
 
 def test_sensors_that_are_noisy_now_and_then_as_they_are_specified_hold_none(monkeypatch):
@@ -84,8 +88,15 @@ def test_sensors_that_are_noisy_now_and_then_as_they_are_specified_hold_none(mon
     count = fit.gram.y.size // rows
     size = np.where(h * np.arange(count) % 50.0 < 5.0, 1.0, 0.3)
     for seed in range(10):
-        found = blow(with_errors(fit, size * np.random.default_rng(seed).standard_normal((rows, count))))
+        found = blow(Others(with_errors(fit, size * np.random.default_rng(seed).standard_normal((rows, count)))))
         assert 0.0 < found.times < BLOWS
+
+
+def test_fitted_errors_beyond_their_bounds_make_no_blow():
+    """Errors of thrusts were fitted at four times their accuracy, and what that left was a blow of eleven deviations: errors inside their bounds fit as well."""
+    c = case(271341, what="none", sea="any", sensors="any")
+    vehicle = parse_vehicle(c.text, "v.toml")
+    assert adequacy(fitted(vehicle, logs_of_case(c)[0])).blow.times < 0.5 * BLOWS
 
 
 @pytest.mark.parametrize(("readings", "struck"), [(1, False), (4, True)])
@@ -94,7 +105,7 @@ def test_one_wrong_reading_of_an_accelerometer_is_no_force(sound, readings, stru
     read = train.columns["ay"].copy()
     read[1500 : 1500 + readings] += 20.0 * vehicle.ambient.force / vehicle.hull.mass
     log = replace(train, columns={**train.columns, "ay": read})
-    assert (blow(fitted(vehicle, log)).times > BLOWS) == struck
+    assert (blow(Others(fitted(vehicle, log))).times > BLOWS) == struck
 
 
 def test_what_errors_of_thrusts_and_readings_may_make_is_no_blow():

@@ -9,7 +9,7 @@ Source: docs/theory.md, "Blows".
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -18,10 +18,12 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
 from ivsid.diagnosis.data.sensor_noise import NORMAL_MEDIAN, specified_noise
+from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.noise import HALF, slopes_of
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.estimation.roughness import QUICK, allowed_ambient, bounds_of_thrusts, told
+from ivsid.diagnosis.null.leaving import Others
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.effects import CHANNELS
 from ivsid.vehicle.sensors import AccuracySensor, InertialSensor, VelocitySensor
@@ -36,6 +38,9 @@ SEEN: Final = 5.0
 # Readings whose median stands for a fifth of a second at the least.
 # Source: definition: a single one that is wrong moves no median of three
 MEDIAN: Final = 3
+# Samples about one within which a thrust that jumps is known to its jump alone.
+# Source: geometry: two to either side, as the median of three reaches beside a step in which the jump may be anywhere
+ABOUT: Final = 5
 # Samples in half a second from which on a slope is one over a second.
 # Source: definition: a mean has two at the least
 SLOPED: Final = 2
@@ -60,20 +65,23 @@ class Blow:
     count: int = 0
 
 
-def blow(fit: Fit) -> Blow:
+def blow(others: Others) -> Blow:
     """The strongest blow in what a model leaves, by slopes over a second and by what accelerometers read for a fifth of one.
 
     Args:
-        fit: of the model.
+        others: the fit of the model, with its base beside any thrust curve, which is asked where the model's own errors hold large ones.
     """
+    fit = others.fit
     g, noise = fit.gram, fit.noise
     predictor, rows = noise.predictor, len(noise.predictor.labels)
     base = list(fit.base)
-    left = g.y - g.explained(base, Projection(g, base).coefficients)
-    white = left.reshape(-1, rows, g.length).transpose(1, 0, 2).reshape(rows, -1)
+    white = _rows(g, base, Projection(g, base).coefficients, rows)
     told_of = [k for k, (axis, _) in enumerate(predictor.labels) if axis < len(CHANNELS)]
     if np.abs(white[told_of]).max(initial=0.0) <= SEEN:
         return Blow()
+    # Fitted errors of thrusts may be beyond their bounds where errors inside them fit as well.
+    curve = others.curve
+    white = _rows(curve.g, range(len(curve.g.names)), curve.projection.coefficients, rows)
     errors = np.zeros((rows, noise.good.size))
     errors[:, : white.shape[1]] = noise.whitening.undone(white)
     inertia, declared = allowed_ambient(predictor.vehicle, fit.states.h.values)
@@ -81,14 +89,21 @@ def blow(fit: Fit) -> Blow:
     thrusts = sum((np.abs(x) for x in bounds_of_thrusts(predictor)), np.zeros((3, noise.good.size)))
     # A demand that jumps within the second changes its error as well.
     thrusts = maximum_filter1d(thrusts[:, : noise.good.size], near, axis=1) / inertia[:, None]
+    jumps = _jumps(fit) / inertia[:, None]
     best = Blow()
-    for k, x, at, noisy, read in _forces(fit, errors):
-        found = _strongest(x, float(np.hypot(declared[k], noisy)), thrusts[k, at] + read)
+    for k, x, at, noisy, read, moved in _forces(fit, errors):
+        found = _strongest(x, float(np.hypot(declared[k], noisy)), thrusts[k, at] + moved * jumps[k, at] + read)
         if found is not None and found[0] > best.times:
             times, i, beyond = found
             seconds = np.unique((at[beyond] * predictor.log.h).astype(np.int64)).size
             best = Blow(CHANNELS[k], times, float(inertia[k] * abs(x[i])), float(at[i] * predictor.log.h), seconds)
     return best
+
+
+def _rows(g: Gram, columns: Sequence[int], coefficients: Array, rows: int) -> Array:
+    """Whitened errors that columns leave, shape (rows, n)."""
+    left = g.y - g.explained(columns, coefficients)
+    return left.reshape(-1, rows, g.length).transpose(1, 0, 2).reshape(rows, -1)
 
 
 def _strongest(x: Array, declared: float, errors: Array) -> tuple[float, int, NDArray[np.bool_]] | None:
@@ -110,8 +125,21 @@ def _strongest(x: Array, declared: float, errors: Array) -> tuple[float, int, ND
     return float(times[i]), i, times > BLOWS
 
 
-def _forces(fit: Fit, errors: Array) -> Iterator[tuple[int, Array, NDArray[np.int64], float, float]]:
-    """Accelerations that errors stand for: axis, values, their samples, and what the sensor's noise and an error at its bound make of one."""
+def _jumps(fit: Fit) -> Array:
+    """Change of the forces X, Y [N] and N [N m] of all thrusters about each sample, shape (3, n): inside a step no row says when a demand jumps."""
+    predictor = fit.noise.predictor
+    n, out = fit.noise.good.size, np.zeros((3, fit.noise.good.size))
+    for k, thruster in enumerate(predictor.vehicle.thrusters):
+        force, angle, (x, y) = fit.states.points.thrusts[k, :n], predictor.driving.turned[k, :n], thruster.position
+        c, s = np.cos(angle), np.sin(angle)
+        for axis, arm in enumerate((c, s, x * s - y * c)):
+            along = force * arm
+            out[axis] += maximum_filter1d(along, ABOUT) - minimum_filter1d(along, ABOUT)
+    return out
+
+
+def _forces(fit: Fit, errors: Array) -> Iterator[tuple[int, Array, NDArray[np.int64], float, float, float]]:
+    """Accelerations that errors stand for: axis, values, their samples, what the sensor's noise and an error at its bound make of one, and the share of a jump of the thrusts."""
     noise = fit.noise
     predictor = noise.predictor
     h, sensors = predictor.log.h, predictor.vehicle.sensors
@@ -130,7 +158,8 @@ def _forces(fit: Fit, errors: Array) -> Iterator[tuple[int, Array, NDArray[np.in
             if told(predictor, k, noise.left_out):
                 at = np.flatnonzero(counts & whole[half:][: counts.size])
                 noisy = 0.0 if turned and k == 2 else _noise(predictor, "uvr"[k]) * np.sqrt(2.0 / half) / (2.0 * HALF)
-                yield k, slope[at], at + half, noisy, float(off[k])
+                # A jump that is a step late pushes for that step of the second.
+                yield k, slope[at], at + half, noisy, float(off[k]), h / (2.0 * HALF)
     row = 0
     for k, here in enumerate(predictor.axes[:2]):
         own = errors[row : row + len(here.outputs)]
@@ -141,7 +170,7 @@ def _forces(fit: Fit, errors: Array) -> Iterator[tuple[int, Array, NDArray[np.in
             at = np.flatnonzero(noise.good)
             # The median of normal numbers scatters by the root of pi / 2 more than their mean.
             noisy = _noise(predictor, ("ax", "ay")[k]) * np.sqrt(0.5 * np.pi / window)
-            yield k, read[at], at, noisy, _accuracy(sensors.acceleration)
+            yield k, read[at], at, noisy, _accuracy(sensors.acceleration), 1.0
 
 
 def _noise(predictor: Predictor, channel: str) -> float:

@@ -297,7 +297,7 @@ def adequacy(fit: Fit, *, turning: bool = False, known: Regressors | None = None
         scattered=max(fit.noise.scatter.items(), key=lambda q: q[1], default=("", 0.0)),
         parted=max(fit.noise.parted.items(), key=lambda q: q[1], default=("", 0.0)),
         rhythm=rhythm(fit),
-        blow=blow(fit),
+        blow=blow(others),
     )
     worst = _none
     if not found.white:

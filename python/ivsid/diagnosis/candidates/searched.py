@@ -28,10 +28,9 @@ def with_searched(fit: Fit, p: Projection) -> tuple[Fit, list[Scored]]:
     # The transposes of whitening and filters take the errors that the base leaves back to the accelerations that would explain them.
     g, predictor = fit.gram, fit.noise.predictor
     n, rows = predictor.log.n, len(predictor.labels)
-    left = g.y - g.explained(p.base, p.coefficients)
-    used = left.shape[0] * g.length
+    left = g.left(p.base, p.coefficients)
     errors = np.zeros((rows, n))
-    errors[:, :used] = left.reshape(-1, rows, g.length).transpose(1, 0, 2).reshape(rows, used)
+    errors[:, : left.shape[1]] = left
     back = fit.signatures.backward(_unwhiten(fit, errors))
     names: list[str] = []
     arrays: list[Array] = []

@@ -126,6 +126,12 @@ class Gram:
             np.zeros((*theta.shape[1:], *self.y.shape)) if out is None else out.reshape(*theta.shape[1:], *self.y.shape)
         )
 
+    def left(self, at: Sequence[int], theta: Array) -> Array:
+        """Whitened errors that columns with coefficients leave, by row of the log, shape (rows, n)."""
+        x = self.y - self.explained(at, theta)
+        rows = sum(len(group) for group in self.white.groups)
+        return x.reshape(-1, rows, self.length).transpose(1, 0, 2).reshape(rows, -1)
+
     def of(self, errors: Array) -> Gram:
         """The same columns with other errors, shape (rows, n)."""
         y = self.white.blocks([errors], self.good, self.length, unit=False)[0].reshape(self.y.shape)

@@ -108,11 +108,9 @@ def remaining(fit: Fit) -> Array:
     """The errors in their own units without all that any column explains, shape (rows, n)."""
     g = fit.gram
     theta, _ = Projection(g, []).solve(range(len(g.names)))
-    left = g.y - g.explained(range(len(g.names)), theta)
-    rows = len(fit.noise.predictor.labels)
-    count = left.shape[0] * g.length
-    out = np.zeros((rows, fit.noise.good.size))
-    out[:, :count] = left.reshape(-1, rows, g.length).transpose(1, 0, 2).reshape(rows, count)
+    left = g.left(range(len(g.names)), theta)
+    out = np.zeros((len(left), fit.noise.good.size))
+    out[:, : left.shape[1]] = left
     for group, taps in zip(fit.noise.whitening.groups, fit.noise.whitening.taps, strict=True):
         scale = np.diag(taps[0])[:, None]
         out[list(group)] /= np.where(scale > 0, scale, 1.0)

@@ -100,6 +100,14 @@ class AnyCurve:
         own = np.concatenate([*itertools.chain(*self._kinds), np.zeros(0, dtype=np.int64)])
         self._rest = np.setdiff1d(np.arange(self.box.size), own)
 
+    @property
+    def errors(self) -> Array:
+        """Prediction errors that are left beside any curve, in their units, shape (rows, n); 0 of samples that do not count."""
+        left = self.g.left(self.projection.base, self.projection.coefficients)
+        out = np.zeros((len(left), self.fit.noise.good.size))
+        out[:, : left.shape[1]] = self.fit.noise.whitening.undone(left)
+        return out
+
     def under(self, other: Besides) -> AnyCurve:
         """The same beside something that all causes share, such as slow forces.
 

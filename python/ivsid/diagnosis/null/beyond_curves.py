@@ -30,17 +30,11 @@ def rougher_beyond(curve: AnyCurve, least: float) -> tuple[float, float, float]:
         least: what errors of thrusts and the ambient force together have to be in the declared ambient force for an axis to be asked.
     """
     fit = curve.fit
-    predictor, g = fit.noise.predictor, curve.g
+    predictor = fit.noise.predictor
     if predictor.vehicle.ambient is None:
         return 0.0, 0.0, 0.0
-    every = range(len(g.names))
-    rows = len(predictor.labels)
-    left = (g.y - g.explained(every, curve.projection.coefficients)).reshape(-1, rows, fit.gram.length)
-    whole = left.transpose(1, 0, 2).reshape(rows, -1)
-    errors = np.zeros((rows, fit.noise.good.size))
-    errors[:, : whole.shape[1]] = fit.noise.whitening.undone(whole)
     share = np.sqrt(JUMPS / cells_of(len(predictor.vehicle.thrusters)))
-    found = rougher_alone(predictor, errors, fit.noise.good, fit.noise.left_out, fit.states, share)
+    found = rougher_alone(predictor, curve.errors, fit.noise.good, fit.noise.left_out, fit.states, share)
     # Errors of thrusts that come in spells are told by neither of both alone.
     x, y, n = np.where(np.array(fit.noise.alone) > least, found, 0.0).max(axis=0).tolist()
     return x, y, n

@@ -71,8 +71,7 @@ def rhythm(fit: Fit) -> Rhythm:
     g, predictor = fit.gram, fit.noise.predictor
     rows, h = len(predictor.labels), predictor.log.h
     base = list(fit.base)
-    left = g.y - g.explained(base, Projection(g, base).coefficients)
-    errors = left.reshape(-1, rows, g.length).transpose(1, 0, 2).reshape(rows, -1)
+    errors = g.left(base, Projection(g, base).coefficients)
     u, v, _ = through_water(fit.signatures)
     speed = np.hypot(u, v)[: errors.shape[1]]
     way = h * np.cumsum(speed)

@@ -227,14 +227,14 @@ DIAGNOSIS = (
     python(
         "fitted errors of thrusts as a blow",
         "diagnosis/null/blows.py",
-        "white = _rows(curve.g, range(len(curve.g.names)), curve.projection.coefficients, rows)",
-        "white = white + 0.0 * len(curve.g.names)",
+        "errors = others.curve.errors",
+        "errors = np.pad(noise.whitening.undone(white), ((0, 0), (0, noise.good.size - white.shape[1])))",
         "test_blows.py",
     ),
     python(
         "noise of a sensor as a blow",
         "diagnosis/null/blows.py",
-        "float(np.hypot(declared[k], noisy))",
+        "float(np.hypot(declared[k], one.noise))",
         "float(declared[k])",
         "test_blows.py",
     ),

@@ -9,7 +9,7 @@ Source: docs/theory.md, "Blows".
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
 from ivsid.diagnosis.data.sensor_noise import NORMAL_MEDIAN, specified_noise
-from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.noise import HALF, slopes_of
 from ivsid.diagnosis.estimation.projection import Projection
@@ -65,6 +64,27 @@ class Blow:
     count: int = 0
 
 
+@dataclass(frozen=True)
+class Series:
+    """Accelerations of one axis that errors stand for, by one way of reading them.
+
+    Attributes:
+        axis: index of the axis.
+        x: accelerations, shape (m,).
+        at: their samples, shape (m,).
+        noise: deviation that the sensor's noise has in one.
+        error: what an error of the readings makes of one at its bound.
+        step: share of a jump of the thrusts that one shows where the jump is a step early or late.
+    """
+
+    axis: int
+    x: Array
+    at: NDArray[np.int64]
+    noise: float
+    error: float
+    step: float
+
+
 def blow(others: Others) -> Blow:
     """The strongest blow in what a model leaves, by slopes over a second and by what accelerometers read for a fifth of one.
 
@@ -73,17 +93,13 @@ def blow(others: Others) -> Blow:
     """
     fit = others.fit
     g, noise = fit.gram, fit.noise
-    predictor, rows = noise.predictor, len(noise.predictor.labels)
-    base = list(fit.base)
-    white = _rows(g, base, Projection(g, base).coefficients, rows)
+    predictor, base = noise.predictor, list(fit.base)
+    white = g.left(base, Projection(g, base).coefficients)
     told_of = [k for k, (axis, _) in enumerate(predictor.labels) if axis < len(CHANNELS)]
     if np.abs(white[told_of]).max(initial=0.0) <= SEEN:
         return Blow()
     # Fitted errors of thrusts may be beyond their bounds where errors inside them fit as well.
-    curve = others.curve
-    white = _rows(curve.g, range(len(curve.g.names)), curve.projection.coefficients, rows)
-    errors = np.zeros((rows, noise.good.size))
-    errors[:, : white.shape[1]] = noise.whitening.undone(white)
+    errors = others.curve.errors
     inertia, declared = allowed_ambient(predictor.vehicle, fit.states.h.values)
     near = 2 * round(2 * HALF / predictor.log.h) + 1
     thrusts = sum((np.abs(x) for x in bounds_of_thrusts(predictor)), np.zeros((3, noise.good.size)))
@@ -91,19 +107,15 @@ def blow(others: Others) -> Blow:
     thrusts = maximum_filter1d(thrusts[:, : noise.good.size], near, axis=1) / inertia[:, None]
     jumps = _jumps(fit) / inertia[:, None]
     best = Blow()
-    for k, x, at, noisy, read, moved in _forces(fit, errors):
-        found = _strongest(x, float(np.hypot(declared[k], noisy)), thrusts[k, at] + moved * jumps[k, at] + read)
+    for one in (*_slopes(fit, errors), *_readings(fit, errors)):
+        k, at = one.axis, one.at
+        allowed = thrusts[k, at] + one.step * jumps[k, at] + one.error
+        found = _strongest(one.x, float(np.hypot(declared[k], one.noise)), allowed)
         if found is not None and found[0] > best.times:
             times, i, beyond = found
             seconds = np.unique((at[beyond] * predictor.log.h).astype(np.int64)).size
-            best = Blow(CHANNELS[k], times, float(inertia[k] * abs(x[i])), float(at[i] * predictor.log.h), seconds)
+            best = Blow(CHANNELS[k], times, float(inertia[k] * abs(one.x[i])), float(at[i] * predictor.log.h), seconds)
     return best
-
-
-def _rows(g: Gram, columns: Sequence[int], coefficients: Array, rows: int) -> Array:
-    """Whitened errors that columns leave, shape (rows, n)."""
-    left = g.y - g.explained(columns, coefficients)
-    return left.reshape(-1, rows, g.length).transpose(1, 0, 2).reshape(rows, -1)
 
 
 def _strongest(x: Array, declared: float, errors: Array) -> tuple[float, int, NDArray[np.bool_]] | None:
@@ -130,6 +142,8 @@ def _jumps(fit: Fit) -> Array:
     predictor = fit.noise.predictor
     n, out = fit.noise.good.size, np.zeros((3, fit.noise.good.size))
     for k, thruster in enumerate(predictor.vehicle.thrusters):
+        if not thruster.own:
+            continue
         force, angle, (x, y) = fit.states.points.thrusts[k, :n], predictor.driving.turned[k, :n], thruster.position
         c, s = np.cos(angle), np.sin(angle)
         for axis, arm in enumerate((c, s, x * s - y * c)):
@@ -138,39 +152,45 @@ def _jumps(fit: Fit) -> Array:
     return out
 
 
-def _forces(fit: Fit, errors: Array) -> Iterator[tuple[int, Array, NDArray[np.int64], float, float, float]]:
-    """Accelerations that errors stand for: axis, values, their samples, what the sensor's noise and an error at its bound make of one, and the share of a jump of the thrusts."""
+def _slopes(fit: Fit, errors: Array) -> Iterator[Series]:
+    """Slopes of velocities over a second, where half of one has enough samples."""
     noise = fit.noise
+    predictor, sensors = noise.predictor, noise.predictor.vehicle.sensors
+    half = round(HALF / predictor.log.h)
+    if half < SLOPED:
+        return
+    # A slope holds the readings of a second and a half.
+    whole = minimum_filter1d(noise.good, 4 * half + 1)
+    # The means of both halves may be off by all of the accuracy, to either side; a yaw rate by a heading is a slope itself.
+    turned = predictor.log.turned
+    rate = 4.0 * _accuracy(sensors.heading) if turned else _accuracy(sensors.yaw_rate)
+    accuracies = (_accuracy(sensors.velocity), _accuracy(sensors.velocity), rate)
+    for k, (slope, counts) in enumerate(slopes_of(predictor, errors, noise.good)):
+        if told(predictor, k, noise.left_out):
+            at = np.flatnonzero(counts & whole[half:][: counts.size])
+            noisy = (
+                0.0 if turned and k == 2 else _noise(predictor, "uvr"[k]) * float(np.sqrt(2.0 / half)) / (2.0 * HALF)
+            )
+            # A jump that is a step late pushes for that step of the second.
+            yield Series(k, slope[at], at + half, noisy, accuracies[k] / HALF, predictor.log.h / (2.0 * HALF))
+
+
+def _readings(fit: Fit, errors: Array) -> Iterator[Series]:
+    """Medians of what accelerometers read for a fifth of a second, or of three readings."""
+    noise, row = fit.noise, 0
     predictor = noise.predictor
-    h, sensors = predictor.log.h, predictor.vehicle.sensors
-    half, window = round(HALF / h), max(MEDIAN, round(QUICK / h))
-    if half >= SLOPED:
-        # A slope holds the readings of a second and a half.
-        whole = minimum_filter1d(noise.good, 4 * half + 1)
-        # The means of both halves may be off by all of the accuracy, to either side; a yaw rate by a heading is a slope itself.
-        turned = predictor.log.turned
-        velocity, rate = (
-            _accuracy(sensors.velocity),
-            4.0 * _accuracy(sensors.heading) if turned else _accuracy(sensors.yaw_rate),
-        )
-        off = np.array([velocity, velocity, rate]) / HALF
-        for k, (slope, counts) in enumerate(slopes_of(predictor, errors, noise.good)):
-            if told(predictor, k, noise.left_out):
-                at = np.flatnonzero(counts & whole[half:][: counts.size])
-                noisy = 0.0 if turned and k == 2 else _noise(predictor, "uvr"[k]) * np.sqrt(2.0 / half) / (2.0 * HALF)
-                # A jump that is a step late pushes for that step of the second.
-                yield k, slope[at], at + half, noisy, float(off[k]), h / (2.0 * HALF)
-    row = 0
+    # An odd number has a middle, so that both signs count alike.
+    window = max(MEDIAN, round(QUICK / predictor.log.h)) | 1
+    at = np.flatnonzero(noise.good)
     for k, here in enumerate(predictor.axes[:2]):
         own = errors[row : row + len(here.outputs)]
         row += len(here.outputs)
-        if "acceleration" in here.outputs and told(predictor, k, noise.left_out) and window * h <= HALF:
+        if "acceleration" in here.outputs and told(predictor, k, noise.left_out) and window * predictor.log.h <= HALF:
             expected, _ = here.ambient(own)
             read = median_filter(own[here.outputs.index("acceleration")] + expected, window)
-            at = np.flatnonzero(noise.good)
             # The median of normal numbers scatters by the root of pi / 2 more than their mean.
-            noisy = _noise(predictor, ("ax", "ay")[k]) * np.sqrt(0.5 * np.pi / window)
-            yield k, read[at], at, noisy, _accuracy(sensors.acceleration), 1.0
+            noisy = _noise(predictor, ("ax", "ay")[k]) * float(np.sqrt(0.5 * np.pi / window))
+            yield Series(k, read[at], at, noisy, _accuracy(predictor.vehicle.sensors.acceleration), 1.0)
 
 
 def _noise(predictor: Predictor, channel: str) -> float:

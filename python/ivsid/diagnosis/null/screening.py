@@ -119,7 +119,8 @@ class Case:
     def least_share(self) -> float:
         """Least size of the cause that the log allows, over the fitted one."""
         s, fit, at = self.s, self.round.fit, list(self.s.columns)
-        if len(at) == 1 or s.shown <= ERRORS**2:
+        # Of a fall of nothing, which errors inside their bounds alone let count, no direction is known.
+        if len(at) == 1 or s.shown <= ERRORS**2 or not s.fall > 0:
             return 1.0 - ERRORS / float(np.sqrt(s.shown))
         theta, unit = np.array(s.theta), fit.gram.unit[at]
         information = fit.projection.information(at) * np.outer(unit, unit)

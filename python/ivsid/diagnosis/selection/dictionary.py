@@ -213,7 +213,8 @@ def _accelerometer(fit: Fit) -> Iterator[tuple[str, dict[str, Array]]]:
 def _shaken(fit: Fit) -> Iterator[tuple[str, Array]]:
     """Number of thrusters that run near each of some demands, shape (n,): at a revolution with which its mounting swings, an accelerometer has an offset."""
     predictor = fit.noise.predictor
-    own = [np.abs(d) for d, t in zip(predictor.propulsion.demands, predictor.vehicle.thrusters, strict=True) if t.own]
+    run = [not isinstance(t, KnownForce) for t in predictor.vehicle.thrusters]
+    own = [np.abs(d) for d, turns in zip(predictor.propulsion.demands, run, strict=True) if turns]
     shares = [d[: predictor.log.n] / max(float(d.max()), 1e-300) for d in own]
     for j in range(1, SHAKEN + 1):
         near = sum((np.maximum(1.0 - np.abs(SHAKEN * x - j), 0.0) for x in shares), np.zeros(predictor.log.n))

@@ -17,6 +17,7 @@ from pathlib import Path
 from tests.mutant import Mutant
 from tests.mutants_of_diagnosis import DIAGNOSIS
 from tests.mutants_of_estimation import ESTIMATION
+from tests.mutants_of_null import NULL
 from tests.mutants_of_proofs import PROOFS
 from tests.mutants_of_results import RESULTS
 from tests.mutants_of_selection import SELECTION
@@ -24,7 +25,7 @@ from tests.mutants_of_selection import SELECTION
 ROOT = Path(__file__).parents[1]
 # Seconds in which the tests of a mutant end; one that never ends is noticed as well.
 PATIENCE = 900
-MUTANTS = (*RESULTS, *ESTIMATION, *DIAGNOSIS, *SELECTION, *PROOFS)
+MUTANTS = (*RESULTS, *ESTIMATION, *DIAGNOSIS, *NULL, *SELECTION, *PROOFS)
 
 
 def copied(folder: Path) -> Path:

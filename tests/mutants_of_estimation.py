@@ -270,6 +270,20 @@ ESTIMATION = (
         "test_straight_runs.py",
     ),
     python(
+        "turns beside causes that are over within a row",
+        "diagnosis/search.py",
+        "if not within_rows(selection.last):",
+        "if selection.last is not None:",
+        "test_turns_within_rows.py",
+    ),
+    python(
+        "yaw of a usual hull in the place of a first model's",
+        "diagnosis/search.py",
+        "yaw=of_yaw(selection.last)",
+        "yaw={}",
+        "test_turns_within_rows.py",
+    ),
+    python(
         "mountings that are exact",
         "diagnosis/plant/declared_readings.py",
         "max(mount.rotation_accuracy, LEAST_TURN)",

@@ -3,27 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TypeAlias
 
 import numpy as np
 
-from ivsid.diagnosis.candidates.families import everything, score
-from ivsid.diagnosis.data.channels import Channels, on_one_origin
-from ivsid.diagnosis.data.one_run import note, one_run
-from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.estimation.kinds.candidate import Scored
-from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.null.detection import detection_limits
-from ivsid.diagnosis.null.family_wise import Threshold
-from ivsid.diagnosis.null.levels import NAMES
+from ivsid.diagnosis.data.one_run import note
 from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.null.rule import Refusal
-from ivsid.diagnosis.null.thresholds import Calibration, calibrate
-from ivsid.diagnosis.null.visibility import Visibility, visibility
+from ivsid.diagnosis.null.visibility import Visibility
+from ivsid.diagnosis.search import fitted, named, searched
 from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.selection.confirmation import (
     NULL_LOGS,
@@ -35,33 +25,27 @@ from ivsid.diagnosis.selection.confirmation import (
 from ivsid.diagnosis.selection.parallel import one_blas_thread
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.rules import full_refused
-from ivsid.diagnosis.selection.select import Selection, in_place, select
-from ivsid.diagnosis.selection.shared_structure import with_shared
+from ivsid.diagnosis.selection.select import Selection
 from ivsid.diagnosis.selection.verdict import Left
 from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.claims import claims
 from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.diagnosis.statements.diagnosis import Diagnosis, inputs_of
-from ivsid.diagnosis.statements.findings import Finding, findings_of, nameless, shallow, verdict_of, weighed
+from ivsid.diagnosis.statements.findings import Finding, findings_of, shallow, verdict_of, weighed
 from ivsid.diagnosis.statements.hints import hints
 from ivsid.diagnosis.statements.motion import motion_of, sentences
 from ivsid.diagnosis.statements.not_tested import left_out_note, not_tested
-from ivsid.diagnosis.statements.proved import Proof, lasting, proof_of, proved_findings, upheld
+from ivsid.diagnosis.statements.proved import Proof, lasting, proved_findings
 from ivsid.diagnosis.statements.residuals import before_and_after, unexplained
 from ivsid.diagnosis.statements.rules import DOMINANT_RULE
 from ivsid.diagnosis.statements.shallow_water import change, sounded
-from ivsid.diagnosis.statements.trial import Trial, unchanged
+from ivsid.diagnosis.statements.trial import Trial
 from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.diagnosis.statements.without import handed_out
-from ivsid.errors import IvsidError
-from ivsid.intervals.apart import Apart, in_turn
+from ivsid.intervals.apart import Apart
 from ivsid.log import GivenLog, Log, log_of
-from ivsid.setup import SetupFinding, examined
 from ivsid.tubes.reached import TubeCheck
 from ivsid.vehicle import GivenVehicle, Vehicle, vehicle_of
-
-# The other log, and the same if it is of another run.
-Others: TypeAlias = "tuple[Channels, Channels | None]"
 
 
 # A candidate that runs away is rejected by its chi-squared, so its overflows are not reported.
@@ -97,13 +81,10 @@ def diagnose(
     """
     vehicle = vehicle_of(vehicle)
     train, test = log_of(train, vehicle.log), log_of(test, vehicle.log)
-    other, run, fit, proof, doubts = _fitted(vehicle, train, test, progress)
-    visible = visibility(fit)
-    calibrating, nothing, judging, limits = _asked_of(fit, visible, (train, test), (other, run), proof, seed)
-    scored, looks = score(fit), Looks(seed, null_logs, cache, progress)
-    test_of = Threshold(calibrating.result(), visible)
-    progress("looking for causes")
-    selection = _named(fit, scored, test_of, run, progress)
+    other, run, fit, proof, doubts = fitted(vehicle, train, test, progress)
+    search = searched(fit, (train, test), (other, run), proof, seed, progress)
+    fit, selection, judging, visible = search.fit, search.selection, search.judging, search.visible
+    looks = Looks(seed, null_logs, cache, progress)
     passed = _undecided(selection, judging)
     # A sufficient model is asked for its motion only where causes are named, and null logs leave time for it meanwhile.
     moving = Apart(
@@ -111,16 +92,16 @@ def diagnose(
         late=True,
         begun=bool(selection.found) and judging.result()[1] is None,
     )
-    confirmation = confirmed(fit, test_of, passed, looks, selection.last)
+    confirmation = confirmed(fit, search.test, passed, looks, selection.last)
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
         progress("looking again, at the threshold of the null logs")
-        selection = _named(fit, scored, confirmation.test, run, progress)
+        selection = named(fit, search.scored, confirmation.test, run, progress, whole=True)
     # Most findings stand, so their model is tried while they are examined, and the other log is asked of its water.
-    trial = Trial(other, selection, seed, tried, nothing)
+    trial = Trial(other, selection, seed, tried, search.nothing)
     shoaling = Apart(partial(change, selection.last, other, sounded(train, test)))
     trial.look()
     before, motion = judging.result()
-    rest, structure = _left(selection, before, test_of.visible, looks)
+    rest, structure = _left(selection, before, search.test.visible, looks)
     complete = _complete(rest, proof, vehicle, train)
     findings, withdrawn = findings_of(
         selection,
@@ -177,7 +158,7 @@ def diagnose(
     # The last fit holds causes that the other log refutes, and what they took is none of the claims' own.
     alone = rest.after.certain and complete == rest.sufficient and not (selection.found and rest.after is rest.before)
     claimed = claims(selection.last, selection.leftover, findings, unknown=None if alone else rest.after)
-    visible = _limited(visible, limits.result())
+    visible = _limited(visible, search.limits.result())
     motion = _allowed(motion, moving, findings)
     findings = weighed(findings if shoal is None else (*findings, shallow(shoal)), shown)
     verdict = verdict_of(findings)
@@ -216,43 +197,6 @@ def diagnose(
         doubts,
         trial.beside,
     )
-
-
-def _asked_of(
-    fit: Fit, visible: Mapping[str, Visibility], logs: tuple[Log, Log], others: Others, proof: Proof, seed: int
-) -> tuple[
-    Apart[Calibration],
-    Apart[Gain],
-    Apart[tuple[Adequacy, tuple[TubeCheck, ...] | None]],
-    Apart[dict[str, Mapping[str, float]]],
-]:
-    """What is asked of the plain model, in a process beside the search for causes, in the order in which it is asked for.
-
-    Returns:
-        The test's calibration, the gain if no cause is found, what is said of the model as it was, and the limits of detection.
-    """
-    tested = frozenset(i for i, v in visible.items() if v.tested)
-    tasks = (
-        Apart(partial(calibrate, fit, tested, NAMES, seed), begun=False),
-        Apart(partial(unchanged, others[0], fit, seed), begun=False),
-        Apart(partial(_judged, fit, proof, *logs, *others), begun=False, late=True),
-    )
-    in_turn(*tasks)
-    # The limits are asked for last and by nothing else: they fill what the other processes leave of the processors from now on.
-    return (*tasks, Apart(partial(detection_limits, fit), late=True))
-
-
-def _named(
-    fit: Fit, scored: tuple[Fit, list[Scored]], test: Threshold, other: Channels | None, progress: Callable[[str], None]
-) -> Selection:
-    """The causes; one whose numbers may all be none, and that others came close to, makes place for them and stands beside."""
-    selection = select(fit, scored, test, other, progress)
-    barred = nameless(selection)
-    if not barred:
-        return selection
-    progress("looking again, without causes whose numbers may all be none")
-    again = select(fit, scored, replace(test, barred=barred), other, progress)
-    return in_place(selection, again, frozenset(barred))
 
 
 def _rest(selection: Selection, before: Adequacy) -> Left:
@@ -301,21 +245,6 @@ def _left(
     return replace(rest, after=after, before=before, imitated=imitated), structure
 
 
-def _judged(
-    fit: Fit, proof: Proof, train: Log, test: Log, other: Channels, run: Channels | None
-) -> tuple[Adequacy, tuple[TubeCheck, ...] | None]:
-    """Adequacy of the model as it was, and the motion that it allows, or None: an adequate model is asked by its rows alone."""
-    before = adequacy(fit)
-    if before.strained:
-        # What is no more than chance on one log need not be on both.
-        with suppress(IvsidError):
-            there = adequacy(plain_fit(fit.noise.predictor.vehicle, other, everything))
-            before = before.with_thrusts_of(there, test.name)
-    if run is not None:
-        before = with_shared(before, fit, run, test.name)
-    return before, None if before.quiet else motion_of(proof, train, test)
-
-
 def _allowed(
     motion: tuple[TubeCheck, ...] | None, moving: Apart[tuple[TubeCheck, ...]], findings: tuple[Finding, ...]
 ) -> tuple[TubeCheck, ...]:
@@ -347,44 +276,6 @@ def _refuted(
 def _complete(left: Left, proof: Proof, vehicle: Vehicle, train: Log) -> bool:
     """Whether little enough structure is left for a verdict, by the statistics and by what the rows of the log prove."""
     return left.sufficient and replace(left, wider=lasting(proof, vehicle, train)).sufficient
-
-
-def _fitted(
-    vehicle: Vehicle, train: Log, test: Log, progress: Callable[[str], None]
-) -> tuple[Channels, Channels | None, Fit, Proof, tuple[SetupFinding, ...]]:
-    """The other log on its clock, the same if it is of another run, the vehicle file's model fitted to the first, and beside the fit what is proved of it, and doubts of the set-up.
-
-    Raises:
-        IvsidError: a wrong set-up that is beyond doubt, which comes before all other reasons and before any fit, or a log that no numbers follow.
-    """
-    examining = Apart(partial(examined, vehicle, (train, test)), begun=False)
-    proving = Apart(partial(proof_of, vehicle, train), begun=False)
-    in_turn(examining, proving)
-    doubts: list[SetupFinding] = []
-
-    def looked_for(fit: Fit) -> Fit:
-        # A wrong set-up that is beyond doubt ends the work before any cause is looked for.
-        doubts[:] = examining.result()
-        return everything(fit)
-
-    progress("fitting the model")
-    try:
-        log, other = on_one_origin(train, test, vehicle)
-        fit = plain_fit(vehicle, log, looked_for)
-        proof = upheld(proving.result(), running=fit.noise.predictor.log.running)
-    except IvsidError:
-        # Its sentence comes before one that follows from it.
-        if not doubts:
-            examining.result()
-        raise
-    finally:
-        examining.end()
-        proving.end()
-    for one in doubts:
-        progress(f"set-up: {one.sentence}")
-    other = replace(other, running=fit.noise.predictor.log.running)
-    # Samples of one run say nothing of one another.
-    return other, None if one_run(train, test) else other, fit, proof, tuple(doubts)
 
 
 def _limited(visible: Mapping[str, Visibility], least: Mapping[str, Mapping[str, float]]) -> dict[str, Visibility]:

@@ -34,7 +34,7 @@ from ivsid.diagnosis.plant.usual_hull import typical_sizes, usual_numbers
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
 from ivsid.diagnosis.prediction.innovations import Predictor, replaced
-from ivsid.effects import terms_of
+from ivsid.effects import State, terms_of
 from ivsid.effects.inertia import INERTIA_YAW
 from ivsid.errors import IvsidError
 from ivsid.vehicle import Vehicle, with_known_forces
@@ -117,13 +117,14 @@ def remaining(fit: Fit) -> Array:
     return out
 
 
-def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
+def plain_fit(vehicle: Vehicle, log: Channels, search: Search, *, yaw: Mapping[str, float] | None = None) -> Fit:
     """The vehicle file's model, fitted to a log.
 
     Args:
         vehicle: whose model it is.
         log: on its clock.
         search: adds the columns of searched causes.
+        yaw: numbers of the moment's terms, by id, of a model with causes that damps its turns within rows: yaw is left out then, and they are kept.
 
     Raises:
         IvsidError: the log has too little between its gaps, or no numbers of the model follow it at all.
@@ -131,10 +132,10 @@ def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
     vehicle = with_known_forces(vehicle)
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            fit = _plain(vehicle, log, search)
+            fit = _plain(vehicle, log, search, yaw)
             if not run(fit, search):
                 return fit
-            return _plain(vehicle, replace(log, running=True, notes=(*log.notes, RUNS)), search)
+            return _plain(vehicle, replace(log, running=True, notes=(*log.notes, RUNS)), search, yaw)
     except (np.linalg.LinAlgError, ValueError, FloatingPointError) as error:
         if isinstance(error, IvsidError):
             raise
@@ -144,16 +145,28 @@ def plain_fit(vehicle: Vehicle, log: Channels, search: Search) -> Fit:
         ) from None
 
 
-def _plain(vehicle: Vehicle, log: Channels, search: Search, *, unseen: bool = False) -> Fit:
+def within_rows(fit: Fit) -> bool:
+    """Whether a fitted model with causes damps its turns so quickly for the log's rows that yaw has to be left out, and is not (``rows_too_long``)."""
+    predictor = fit.noise.predictor
+    return not fit.noise.left_out and rows_too_long(predictor, predictor.slopes(fit.states))
+
+
+def of_yaw(fit: Fit) -> dict[str, float]:
+    """Numbers of the terms of a fitted model that have a moment and no force, by id."""
+    state = State(*(1.0,) * 6)
+    return {t.id: fit.h.values[t.id] for t in fit.h.terms if t.id in fit.h.values and set(t.columns(state)) == {"yaw"}}
+
+
+def _plain(vehicle: Vehicle, log: Channels, search: Search, yaw: Mapping[str, float] | None) -> Fit:
     claimed = dict(vehicle.model.values)
     h = with_fitted(vehicle, first_values(vehicle, log, terms_of(vehicle), claimed))
     predictor = Predictor(vehicle, log, declared_ambient(vehicle))
-    left_out = YAW if unseen else axes_left_out(predictor)
+    left_out = axes_left_out(predictor) if yaw is None else YAW
     if left_out:
         predictor = Predictor(vehicle, log, predictor.ambient, driving=predictor.driving, turning=False)
         # Yaw is left out, so that nothing determines the inertia.
-        usual = usual_numbers(vehicle)
-        fixed = {i: x for i, x in usual.items() if i == INERTIA_YAW.id and i in h.values and i not in claimed}
+        known = {INERTIA_YAW.id: usual_numbers(vehicle)[INERTIA_YAW.id], **(yaw or {})}
+        fixed = {i: x for i, x in known.items() if i in h.values and i not in claimed}
         h, claimed = replaced(h, fixed), {**claimed, **fixed}
     else:
         predictor = predictor.adopt(_expected(predictor.ambient, declared_ambient(vehicle, h.values)))
@@ -165,7 +178,7 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search, *, unseen: bool = Fa
     # A filter that forgets as quickly as the hull damps follows the noise of a heading alone.
     noisy = log.turned and damped and axes_left_out(noise.predictor)
     if not left_out and (noisy or rows_too_long(noise.predictor, noise.predictor.slopes(states))):
-        return _plain(vehicle, log, search, unseen=True)
+        return _plain(vehicle, log, search, {})
     return survey(noise, states, claimed)
 
 

@@ -16,6 +16,7 @@ from ivsid.diagnosis.data.channels import Channels
 from ivsid.diagnosis.estimation.fit import Fit, survey
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.estimation.learning import within_rows
 from ivsid.diagnosis.estimation.noise import Noise
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.null.any_curve import AnyCurve
@@ -90,6 +91,8 @@ def select(
     passes: Threshold,
     other: Channels | None,
     progress: Progress = lambda _: None,
+    *,
+    whole: bool = True,
 ) -> Selection:
     """Adds causes while one passes the test, and reviews the earlier ones after each.
 
@@ -99,6 +102,7 @@ def select(
         passes: the test.
         other: the log of another run, which is asked of causes that this one shows; None asks none.
         progress: told of each candidate.
+        whole: whether the search goes on where a model with causes damps its turns within rows, and yaw is not left out.
     """
     fit, scored = first
     every = tuple(scored)
@@ -107,8 +111,7 @@ def select(
     waiting: dict[str, Refusal] = {}
     before: set[frozenset[str]] = set()
     tops: set[frozenset[str]] = set()
-    outsiders: frozenset[str] = frozenset()
-    again = 0
+    outsiders, again = frozenset[str](), 0
     while True:
         ids = tuple(f.id for f in found)
         screened = passes(fit, scored, ids)
@@ -133,8 +136,8 @@ def select(
             outsiders |= new
             if (again := again + (not new)) > REVIEWS:
                 break
-            states = improve(Problem.at(noise, plain.fixed, fit.states), fit.states, FULL_STEPS)
-            fit, scored = score(survey(noise, states, plain.fixed))
+            problem = Problem.at(noise, plain.fixed, fit.states)
+            fit, scored = score(survey(noise, improve(problem, fit.states, FULL_STEPS), plain.fixed))
             continue
         one, states = _late_or_slewed(Problem.at(noise, plain.fixed, best.states), best.states, one, plain.h)
         review = Reviewed(True, [*found, one], states, {})
@@ -143,6 +146,9 @@ def select(
         found = review.found
         refused = {i: r for i, r in {**review.refused, **refused}.items() if i not in {f.id for f in found}}
         fit, scored = score(survey(noise, review.states, plain.fixed))
+        if not whole and within_rows(fit):
+            # What else the search finds beside such a yaw is its errors.
+            return Selection(plain, fit, tuple(found), every, tuple(scored), refused)
         if one.slewed is not None:
             # What a limit of a rate leaves beside a lag is no cause.
             break

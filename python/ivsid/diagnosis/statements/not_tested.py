@@ -10,6 +10,7 @@ from ivsid.diagnosis.estimation.left_out import axes_left_out
 from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.estimation.whitening import SLOW
 from ivsid.diagnosis.null.visibility import VISIBLE, Visibility
+from ivsid.diagnosis.plant.usual_hull import usual_numbers
 from ivsid.diagnosis.prediction.innovations import Predictor
 from ivsid.effects import EFFECTS
 
@@ -55,10 +56,23 @@ def left_out_note(fit: Fit) -> list[str]:
             f"the log does not determine {', '.join(unknown)}: the models state what a usual hull of this mass and length has"
         ]
     claimed = fit.noise.predictor.vehicle.model.values
-    usual = [t.id for t in fit.h.terms if (t.id in fit.fixed and t.id not in claimed) or t.id in unknown]
+    kept = [t.id for t in fit.h.terms if t.id in fit.fixed and t.id not in claimed]
+    hulls = usual_numbers(fit.noise.predictor.vehicle)
+    usual = [t.id for t in fit.h.terms if (t.id in kept and fit.fixed[t.id] == hulls.get(t.id)) or t.id in unknown]
+    own = [i for i in kept if i not in usual]
+    numbers = [
+        *([f"{', '.join(own)} are those of a first model, with yaw"] if own else []),
+        *(
+            [
+                f"{', '.join(usual) or 'the parameters of yaw'} are those of a usual hull of this mass and length, not of this log"
+            ]
+            if usual or not own
+            else []
+        ),
+    ]
     return [
-        f"{_why(fit)}: yaw is left out, so that causes that act by their moment alone are not tested. The yaw rate is that of its sensors, and sway counts in means over {SLOW:g} s. Of the models {', '.join(usual) or 'the parameters of yaw'} are those of a usual "
-        "hull of this mass and length, not of this log"
+        f"{_why(fit)}: yaw is left out, so that causes that act by their moment alone are not tested. The yaw rate is that of its sensors, and sway "
+        f"counts in means over {SLOW:g} s. Of the models {', and '.join(numbers)}"
     ]
 
 

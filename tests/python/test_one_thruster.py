@@ -7,6 +7,10 @@ from tests.exam.cases import setting
 
 from diagnosis_logs import logs_of_case
 from ivsid import diagnose
+from ivsid.diagnosis.candidates.families import everything
+from ivsid.diagnosis.candidates.one_thruster import with_one_thruster
+from ivsid.diagnosis.data.channels import channels
+from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.vehicle import parse_vehicle
 
 
@@ -54,3 +58,16 @@ def test_a_cause_of_one_thruster_is_named_with_it(seed, key, number):
 def test_a_cause_of_all_thrusters_is_none_of_one(seed, effect, number):
     f = found(seed, effect, number)
     assert (f.effect, f.name, list(f.parameters)) == (effect, effect, [effect])
+
+
+def test_an_error_that_leaves_its_bound_has_causes_of_its_thruster_asked_for():
+    here = setting(270005)
+    vehicle = parse_vehicle(here.text, "v.toml")
+    log, _ = logs_of_case(SimpleNamespace(logs=here.logs({"thruster.curve.starboard": -0.3})))
+    fit = plain_fit(vehicle, channels(log, vehicle), everything)
+    # No cause of all thrusters says where to look.
+    asked, alone = with_one_thruster(fit, [])
+    new = set(asked.gram.names) - set(fit.gram.names)
+    assert any(name.startswith("thruster.curve.starboard") for name in new)
+    # A thrust that is late moves no curve.
+    assert alone and not any(s.id == "thruster.lag" for s in alone)

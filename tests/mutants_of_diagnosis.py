@@ -5,7 +5,7 @@ from tests.mutant import python
 DIAGNOSIS = (
     python(
         "level of the calibration 10 %",
-        "diagnosis/stages.py",
+        "diagnosis/search.py",
         "calibrate, fit, tested, NAMES, seed)",
         "calibrate, fit, tested, 0.10, seed)",
         "test_diagnosis.py",
@@ -26,7 +26,7 @@ DIAGNOSIS = (
     ),
     python(
         "one run asked twice",
-        "diagnosis/stages.py",
+        "diagnosis/search.py",
         "None if one_run(train, test) else other",
         "other",
         "test_one_run.py",

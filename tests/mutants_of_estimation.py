@@ -279,9 +279,16 @@ ESTIMATION = (
     python(
         "yaw of a usual hull in the place of a first model's",
         "diagnosis/search.py",
-        "yaw=of_yaw(selection.last)",
+        "yaw=of_yaw(selection.last.h)",
         "yaw={}",
         "test_turns_within_rows.py",
+    ),
+    python(
+        "yaw of a usual hull beside rows that are too long",
+        "diagnosis/estimation/learning.py",
+        "return _plain(vehicle, log, search, of_yaw(states.h))",
+        "return _plain(vehicle, log, search, {})",
+        "test_straight_runs.py",
     ),
     python(
         "mountings that are exact",

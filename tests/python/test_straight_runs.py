@@ -135,6 +135,10 @@ def test_yaw_is_left_out_where_its_turns_are_over_within_two_rows_and_their_nois
     (note,) = left_out_note(rare)
     # It turns well enough: more rows show the damping.
     assert "damps its turns too quickly for readings of yaw every 0.25 s" in note and "hardly turns" not in note
+    # Yaw was fitted first, and a usual hull's damping is 0.8 N m s: with it a simulation turns 20 times too fast.
+    assert "inertia.yaw, drag.yaw.linear are those of a first model, with yaw" in note
+    numbers = determined(rare).values
+    assert [numbers[i] for i in ("inertia.yaw", "drag.yaw.linear")] == pytest.approx([9.0, 18.0], rel=0.2)
     # What the noise of few rows does to the damping is less than what they tell of it.
     assert [fit.h.values["drag.yaw.linear"] for fit in (often, short)] == pytest.approx([18.0, 18.0], rel=0.1)
     # However good the readings are, no model follows turns that are over within a row.

@@ -56,7 +56,7 @@ def test_a_lag_shows_that_turns_are_over_within_rows(sailed):
     assert within_rows(beside)
     assert not within_rows(replace(beside, noise=replace(beside.noise, left_out=frozenset({2}))))
     # Numbers of the moment alone are kept where yaw is left out, and said to be.
-    kept = of_yaw(beside)
+    kept = of_yaw(beside.h)
     assert set(kept) == {"inertia.yaw", "drag.yaw.linear"}
     unseen = plain_fit(vehicle, channels(log, vehicle), everything, yaw=kept)
     assert unseen.noise.left_out == {2} and {i: unseen.h.values[i] for i in kept} == kept

@@ -129,7 +129,7 @@ def searched(
         task.end()
     progress("looking again, without yaw: beside these causes its turns are over within rows of the log")
     predictor = fit.noise.predictor
-    unseen = plain_fit(predictor.vehicle, predictor.log, everything, yaw=of_yaw(selection.last))
+    unseen = plain_fit(predictor.vehicle, predictor.log, everything, yaw=of_yaw(selection.last.h))
     return searched(unseen, logs, others, proof, seed, progress)
 
 

@@ -124,7 +124,7 @@ def plain_fit(vehicle: Vehicle, log: Channels, search: Search, *, yaw: Mapping[s
         vehicle: whose model it is.
         log: on its clock.
         search: adds the columns of searched causes.
-        yaw: numbers of the moment's terms, by id, of a model with causes that damps its turns within rows: yaw is left out then, and they are kept.
+        yaw: numbers of the moment's terms, by id, of a model that damps its turns within rows: yaw is left out then, and they are kept.
 
     Raises:
         IvsidError: the log has too little between its gaps, or no numbers of the model follow it at all.
@@ -151,10 +151,10 @@ def within_rows(fit: Fit) -> bool:
     return not fit.noise.left_out and rows_too_long(predictor, predictor.slopes(fit.states))
 
 
-def of_yaw(fit: Fit) -> dict[str, float]:
+def of_yaw(h: Hypothesis) -> dict[str, float]:
     """Numbers of the terms of a fitted model that have a moment and no force, by id."""
     state = State(*(1.0,) * 6)
-    return {t.id: fit.h.values[t.id] for t in fit.h.terms if t.id in fit.h.values and set(t.columns(state)) == {"yaw"}}
+    return {t.id: h.values[t.id] for t in h.terms if t.id in h.values and set(t.columns(state)) == {"yaw"}}
 
 
 def _plain(vehicle: Vehicle, log: Channels, search: Search, yaw: Mapping[str, float] | None) -> Fit:
@@ -177,8 +177,10 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search, yaw: Mapping[str, fl
     states = improve(Problem.at(noise, claimed, states), states)
     # A filter that forgets as quickly as the hull damps follows the noise of a heading alone.
     noisy = log.turned and damped and axes_left_out(noise.predictor)
-    if not left_out and (noisy or rows_too_long(noise.predictor, noise.predictor.slopes(states))):
+    if not left_out and noisy:
         return _plain(vehicle, log, search, {})
+    if not left_out and rows_too_long(noise.predictor, noise.predictor.slopes(states)):
+        return _plain(vehicle, log, search, of_yaw(states.h))
     return survey(noise, states, claimed)
 
 

@@ -182,5 +182,7 @@ def test_a_spin_that_the_clock_cannot_follow_is_refused():
     with pytest.raises(IvsidError, match="in deg/s and taken for rad/s"):
         diagnose(vehicle, spinning, test)
     insists = parse_vehicle(vehicle.text + '\n[setup]\naccept = ["setup.yaw_rate.unit"]\n', "vehicle.toml")
-    with pytest.raises(IvsidError, match="from one sample to the next"):
+    with pytest.raises(
+        IvsidError, match=r"from one sample to the next, and a diagnosis follows 0.3; log \d+(\.\d)? rows a second"
+    ):
         diagnose(insists, spinning, test)

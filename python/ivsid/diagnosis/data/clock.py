@@ -111,8 +111,8 @@ def paced(log: Log, *, inside: bool) -> tuple[Log, float, int, list[str]]:
     turned = h * turning
     if turned > LARGEST_TURN:
         raise IvsidError(
-            f"{log.name}: the vehicle turns by {turned:.2g} rad from one sample to the next, and a diagnosis follows {LARGEST_TURN:g}; log faster, or "
-            "give a log of slower turns"
+            f"{log.name}: the vehicle turns by {turned:.3g} rad from one sample to the next, and a diagnosis follows {LARGEST_TURN:g}; log "
+            f"{np.ceil(10 * turning / LARGEST_TURN) / 10:g} rows a second or more, or give a log of slower turns"
         )
     rare = [n for n in ("ax", "ay", "udot", "vdot", "rdot", "psi", "x", "y") if usual_step(log, n) > RARE * h]
     if rare:

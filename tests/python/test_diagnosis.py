@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from diagnosis_logs import SENSORS, TRUTH, TWIN, ZIGZAGS
 from ivsid import IvsidError, diagnose
-from ivsid.diagnosis import extended_vehicle, isolability, stages
+from ivsid.diagnosis import extended_vehicle, isolability, search
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
@@ -250,7 +250,7 @@ def test_a_diagnosis_leaves_the_cores_to_its_own_threads(monkeypatch):
         seen.append(threads())
         raise IvsidError("enough")
 
-    monkeypatch.setattr(stages, "plain_fit", plain_fit)
+    monkeypatch.setattr(search, "plain_fit", plain_fit)
     vehicle, train, test = logs()
     with threadpool_limits(limits=2, user_api="blas"):
         with pytest.raises(IvsidError, match="enough"):

@@ -10,7 +10,7 @@ from tests.exam.seal import seal
 
 from diagnosis_logs import logs_of, vehicle_of
 from ivsid import diagnose
-from ivsid.diagnosis import stages
+from ivsid.diagnosis import search
 from ivsid.diagnosis.data.one_run import note, one_run, shared_rows
 from ivsid.log import Log, read_log
 from ivsid.vehicle import read_vehicle
@@ -82,11 +82,11 @@ def test_no_cause_is_asked_of_the_same_run(monkeypatch, same):
     vehicle = vehicle_of()
     train, test = logs_of(vehicle, {"drag.yaw.linear": 8.0})
     asked = []
-    real = stages.select
+    real = search.select
     monkeypatch.setattr(
-        stages,
+        search,
         "select",
-        lambda fit, scored, passes, run, progress: asked.append(run) or real(fit, scored, passes, run, progress),
+        lambda *given, **how: asked.append(given[3]) or real(*given, **how),
     )
     rows = slice(100, None)
     again = replace(train, name="2.csv", t=train.t[rows], columns={k: x[rows] for k, x in train.columns.items()})

@@ -8,7 +8,7 @@ import pytest
 import ivsid
 import setup_faults
 from ivsid import IvsidError, setup_findings, workflow
-from ivsid.diagnosis import stages
+from ivsid.diagnosis import search
 from ivsid.identification import read_identification
 from ivsid.report import page
 from ivsid.setup import refuse
@@ -103,7 +103,7 @@ def test_a_fault_beyond_doubt_is_said_before_any_fit(monkeypatch):
     """A fit of a log in degrees takes the longest of all, and its sentence says nothing of the cause."""
     text, t, columns = drawn(7004)
     degrees = {"t": t, **columns, "r": np.degrees(columns["r"])}
-    monkeypatch.setattr(stages, "plain_fit", lambda *_: pytest.fail("a fit was begun"))
+    monkeypatch.setattr(search, "plain_fit", lambda *_: pytest.fail("a fit was begun"))
     with pytest.raises(IvsidError, match=r"deg"):
         ivsid.diagnose(parse_vehicle(text, "v.toml"), degrees, degrees, null_logs=0)
 

@@ -11,7 +11,7 @@ from tests.exam.draw import case
 
 from diagnosis_logs import train_of, vehicle_of
 from ivsid import diagnose
-from ivsid.diagnosis import stages
+from ivsid.diagnosis import search
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
@@ -310,10 +310,10 @@ def test_the_other_log_is_asked_where_a_thrust_error_is_far_outside(far, leaving
     here = replace(BOUNDED, outside=(("the thrust of port", far),))
     there = replace(BOUNDED, leaving=leaving, outside=(("the thrust of port", 4.1),), pushed="surge")
     fit = SimpleNamespace(noise=SimpleNamespace(predictor=SimpleNamespace(vehicle=None)))
-    monkeypatch.setattr(stages, "plain_fit", lambda *given: asked.append(given) or "other fit")
-    monkeypatch.setattr(stages, "adequacy", lambda q: there if q == "other fit" else here)
-    monkeypatch.setattr(stages, "motion_of", lambda *_: ())
-    found, motion = stages._judged(fit, None, None, SimpleNamespace(name="test.csv"), "other log", None)
+    monkeypatch.setattr(search, "plain_fit", lambda *given: asked.append(given) or "other fit")
+    monkeypatch.setattr(search, "adequacy", lambda q: there if q == "other fit" else here)
+    monkeypatch.setattr(search, "motion_of", lambda *_: ())
+    found, motion = search._judged(fit, None, None, SimpleNamespace(name="test.csv"), "other log", None)
     assert bool(asked) is (far > 2.0) and found.elsewhere == verdict and found.quiet is not bool(verdict)
     assert (motion is None) is not bool(verdict)
     if verdict:
@@ -327,6 +327,6 @@ def test_a_log_that_no_model_follows_says_nothing_of_the_other(monkeypatch):
 
     here = replace(BOUNDED, outside=(("the thrust of port", 3.0),))
     fit = SimpleNamespace(noise=SimpleNamespace(predictor=SimpleNamespace(vehicle=None)))
-    monkeypatch.setattr(stages, "adequacy", lambda _: here)
-    monkeypatch.setattr(stages, "plain_fit", refused)
-    assert stages._judged(fit, None, None, SimpleNamespace(name="test.csv"), None, None) == (here, None)
+    monkeypatch.setattr(search, "adequacy", lambda _: here)
+    monkeypatch.setattr(search, "plain_fit", refused)
+    assert search._judged(fit, None, None, SimpleNamespace(name="test.csv"), None, None) == (here, None)

@@ -13,7 +13,7 @@ from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.learning import learn, of_yaw, plain_fit, within_rows
 from ivsid.diagnosis.estimation.problem import Problem
 from ivsid.diagnosis.statements.not_tested import left_out_note
-from ivsid.effects import EFFECTS, Given
+from ivsid.effects import EFFECTS, Given, Term
 from ivsid.vehicle import parse_vehicle
 
 LAG = 0.5
@@ -56,12 +56,25 @@ def test_a_lag_shows_that_turns_are_over_within_rows(sailed):
     assert within_rows(beside)
     assert not within_rows(replace(beside, noise=replace(beside.noise, left_out=frozenset({2}))))
     # Numbers of the moment alone are kept where yaw is left out, and said to be.
-    kept = of_yaw(beside.h)
+    kept = of_yaw(beside.states)
     assert set(kept) == {"inertia.yaw", "drag.yaw.linear"}
     unseen = plain_fit(vehicle, channels(log, vehicle), everything, yaw=kept)
     assert unseen.noise.left_out == {2} and {i: unseen.h.values[i] for i in kept} == kept
     (note,) = left_out_note(unseen)
     assert "inertia.yaw, drag.yaw.linear are those of a first model, with yaw" in note and "usual hull" not in note
+
+
+def test_terms_of_a_place_or_a_wind_are_asked_for_their_moment_as_well(sailed):
+    vehicle, (log, _) = sailed
+    fit = plain_fit(vehicle, channels(log, vehicle), everything)
+    # Their columns need the place, the clock or the heading of the log.
+    for id_ in ("wind.steady", "current.steady", "tether.tension", "drag.surge.hump", "payload.step"):
+        given = EFFECTS[id_]
+        h = fit.h.with_effect(Given(given, tuple(1.0 for _ in given.parameters)))
+        assert set(of_yaw(fit.states.under(h))) == {"inertia.yaw", "drag.yaw.linear"}
+    placed = Term("own.moment", "N_x", "N", lambda s: {"yaw": s.place.x})
+    h = replace(fit.h, terms=(*fit.h.terms, placed), values={**fit.h.values, placed.id: 2.0})
+    assert of_yaw(fit.states.under(h))[placed.id] == 2.0
 
 
 def test_a_search_begins_again_without_yaw_where_its_causes_ask_for_it(sailed):

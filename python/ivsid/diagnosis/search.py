@@ -123,13 +123,13 @@ def searched(
     test = Threshold(calibrating.result(), visible)
     progress("looking for causes")
     selection = named(fit, scored, test, others[1], progress)
-    if not within_rows(selection.last):
+    if not (selection.found and within_rows(selection.last)):
         return Searched(fit, scored, visible, test, selection, nothing, judging, limits)
     for task in (nothing, judging, limits):
         task.end()
     progress("looking again, without yaw: beside these causes its turns are over within rows of the log")
     predictor = fit.noise.predictor
-    unseen = plain_fit(predictor.vehicle, predictor.log, everything, yaw=of_yaw(selection.last.h))
+    unseen = plain_fit(predictor.vehicle, predictor.log, everything, yaw=of_yaw(selection.last.states))
     return searched(unseen, logs, others, proof, seed, progress)
 
 

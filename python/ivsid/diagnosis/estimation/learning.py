@@ -30,6 +30,7 @@ from ivsid.diagnosis.estimation.roughness import roughness
 from ivsid.diagnosis.estimation.scatter import scattered
 from ivsid.diagnosis.estimation.whitening import plain_scale, whiten
 from ivsid.diagnosis.plant.physics import Hypothesis
+from ivsid.diagnosis.plant.points import place_of
 from ivsid.diagnosis.plant.usual_hull import typical_sizes, usual_numbers
 from ivsid.diagnosis.prediction.axes import Ambient
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
@@ -151,9 +152,10 @@ def within_rows(fit: Fit) -> bool:
     return not fit.noise.left_out and rows_too_long(predictor, predictor.slopes(fit.states))
 
 
-def of_yaw(h: Hypothesis) -> dict[str, float]:
+def of_yaw(states: FilteredStates) -> dict[str, float]:
     """Numbers of the terms of a fitted model that have a moment and no force, by id."""
-    state = State(*(1.0,) * 6)
+    h, p = states.h, states.points
+    state = State(*p.nu, *states.nudot, place=place_of(p))
     return {t.id: h.values[t.id] for t in h.terms if t.id in h.values and set(t.columns(state)) == {"yaw"}}
 
 
@@ -180,7 +182,7 @@ def _plain(vehicle: Vehicle, log: Channels, search: Search, yaw: Mapping[str, fl
     if not left_out and noisy:
         return _plain(vehicle, log, search, {})
     if not left_out and rows_too_long(noise.predictor, noise.predictor.slopes(states)):
-        return _plain(vehicle, log, search, of_yaw(states.h))
+        return _plain(vehicle, log, search, of_yaw(states))
     return survey(noise, states, claimed)
 
 

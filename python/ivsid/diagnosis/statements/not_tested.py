@@ -60,19 +60,14 @@ def left_out_note(fit: Fit) -> list[str]:
     hulls = usual_numbers(fit.noise.predictor.vehicle)
     usual = [t.id for t in fit.h.terms if (t.id in kept and fit.fixed[t.id] == hulls.get(t.id)) or t.id in unknown]
     own = [i for i in kept if i not in usual]
-    numbers = [
-        *([f"{', '.join(own)} are those of a first model, with yaw"] if own else []),
-        *(
-            [
-                f"{', '.join(usual) or 'the parameters of yaw'} are those of a usual hull of this mass and length, not of this log"
-            ]
-            if usual or not own
-            else []
-        ),
-    ]
+    said = [f"{', '.join(own)} are those of a first model, with yaw"] if own else []
+    if usual or not own:
+        said.append(
+            f"{', '.join(usual) or 'the parameters of yaw'} are those of a usual hull of this mass and length, not of this log"
+        )
     return [
         f"{_why(fit)}: yaw is left out, so that causes that act by their moment alone are not tested. The yaw rate is that of its sensors, and sway "
-        f"counts in means over {SLOW:g} s. Of the models {', and '.join(numbers)}"
+        f"counts in means over {SLOW:g} s. Of the models {', and '.join(said)}"
     ]
 
 

@@ -277,6 +277,13 @@ ESTIMATION = (
         "test_turns_within_rows.py",
     ),
     python(
+        "a search without yaw that finds nothing",
+        "diagnosis/search.py",
+        "    if again.selection.found:",
+        "    if again.selection is not None:",
+        "test_turns_within_rows.py",
+    ),
+    python(
         "yaw of a usual hull in the place of a first model's",
         "diagnosis/search.py",
         "yaw=of_yaw(selection.last.states)",

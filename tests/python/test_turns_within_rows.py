@@ -36,11 +36,14 @@ duration = 60.0
 """
 
 
+def wide():
+    terms = [*TRUTH, "drag.yaw.linear"]
+    return parse_vehicle(TWIN.replace("0.28]", "0.9]") + SENSORS + f"[model]\nterms = {terms}\n", "wide.toml")
+
+
 @pytest.fixture(scope="module")
 def sailed():
-    terms = [*TRUTH, "drag.yaw.linear"]
-    text = TWIN.replace("0.28]", "0.9]") + SENSORS + f"[model]\nterms = {terms}\n"
-    vehicle = parse_vehicle(text, "wide.toml")
+    vehicle = wide()
     hidden = {"drag.yaw.linear": DAMPING, "thruster.lag": LAG}
     return vehicle, logs_of(vehicle, hidden, segments=TURNS, duration=120.0, rate=5.0)
 
@@ -86,3 +89,17 @@ def test_a_search_begins_again_without_yaw_where_its_causes_ask_for_it(sailed):
     bound = result.findings[0].parameters["thruster.lag"]
     assert bound.lower <= LAG <= bound.upper
     assert any("with yaw" in note for note in result.notes)
+
+
+def test_a_drag_of_yaw_stands_that_no_search_without_yaw_can_show():
+    """The first form of this search handed such a model out as adequate."""
+    vehicle = wide()
+    hidden = {"drag.yaw.linear": 2.0 * TRUTH["inertia.yaw"], "drag.yaw.quadratic": 30.0}
+    told = []
+    result = diagnose(
+        vehicle, *logs_of(vehicle, hidden, segments=TURNS, duration=120.0, rate=5.0), null_logs=0, progress=told.append
+    )
+    assert any("looking again, without yaw" in said for said in told)
+    assert [f.effect for f in result.findings] == ["drag.yaw.quadratic"]
+    bound = result.findings[0].parameters["drag.yaw.quadratic"]
+    assert bound.lower <= 30.0 <= bound.upper

@@ -103,11 +103,18 @@ class Searched:
     judging: Apart[tuple[Adequacy, tuple[TubeCheck, ...] | None]]
     limits: Apart[dict[str, Mapping[str, float]]]
 
+    def end(self) -> None:
+        """Ends what is asked meanwhile: another search stands."""
+        for task in (self.nothing, self.judging, self.limits):
+            task.end()
+
 
 def searched(
     fit: Fit, logs: tuple[Log, Log], others: Others, proof: Proof, seed: int, progress: Callable[[str], None]
 ) -> Searched:
     """The causes of what a plain model leaves, without yaw where the model with them damps its turns within rows of the log.
+
+    A cause that acts by its moment alone shows in yaw or nowhere: where nothing is found without yaw, what is found with it stands.
 
     Args:
         fit: the vehicle file's model.
@@ -123,14 +130,19 @@ def searched(
     test = Threshold(calibrating.result(), visible)
     progress("looking for causes")
     selection = named(fit, scored, test, others[1], progress)
+    first = Searched(fit, scored, visible, test, selection, nothing, judging, limits)
     if not (selection.found and within_rows(selection.last)):
-        return Searched(fit, scored, visible, test, selection, nothing, judging, limits)
-    for task in (nothing, judging, limits):
-        task.end()
+        return first
     progress("looking again, without yaw: beside these causes its turns are over within rows of the log")
     predictor = fit.noise.predictor
     unseen = plain_fit(predictor.vehicle, predictor.log, everything, yaw=of_yaw(selection.last.states))
-    return searched(unseen, logs, others, proof, seed, progress)
+    again = searched(unseen, logs, others, proof, seed, progress)
+    if again.selection.found:
+        first.end()
+        return again
+    again.end()
+    progress("looking further, with yaw: without it the log shows none of these causes")
+    return replace(first, selection=named(fit, scored, test, others[1], progress, whole=True))
 
 
 def _asked_of(

@@ -118,8 +118,29 @@ SELECTION = (
     python(
         "structure of both logs over one regressor",
         "diagnosis/selection/shared_structure.py",
-        "chdtrc(2, falls[best]) * len(first)",
+        "chdtrc(2, falls[best]) / 2 * len(first)",
         "chdtrc(1, falls[best])",
+        "test_shared_structure.py",
+    ),
+    python(
+        "structure of the other log under the noise of the first",
+        "diagnosis/selection/shared_structure.py",
+        "if beside.alone and (own := again()).alone:",
+        "if beside.alone and (own := again()):",
+        "test_shared_structure.py",
+    ),
+    python(
+        "structure of the other log alone",
+        "diagnosis/selection/shared_structure.py",
+        "if beside.alone and (own := again()).alone:",
+        "if False and (own := again()).alone:",
+        "test_shared_structure.py",
+    ),
+    python(
+        "both logs together where the first is in doubt alone",
+        "diagnosis/selection/shared_structure.py",
+        "min(before.chance_of_one, beside.chance_of_one) <= DOUBTED",
+        "before.chance_of_one <= DOUBTED",
         "test_shared_structure.py",
     ),
     python(

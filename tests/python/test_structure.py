@@ -312,10 +312,8 @@ def test_the_other_log_is_asked_where_a_thrust_error_is_far_outside(far, leaving
     fit = SimpleNamespace(noise=SimpleNamespace(predictor=SimpleNamespace(vehicle=None)))
     monkeypatch.setattr(search, "plain_fit", lambda *given: asked.append(given) or "other fit")
     monkeypatch.setattr(search, "adequacy", lambda q: there if q == "other fit" else here)
-    monkeypatch.setattr(search, "motion_of", lambda *_: ())
-    found, motion = search._judged(fit, None, None, SimpleNamespace(name="test.csv"), "other log", None)
+    found = search._judged(fit, "test.csv", "other log", None)
     assert bool(asked) is (far > 2.0) and found.elsewhere == verdict and found.quiet is not bool(verdict)
-    assert (motion is None) is not bool(verdict)
     if verdict:
         one = unknown(found, ())
         assert "leaves on test.csv follow" in one.description and "fitted at 4.1 times" in one.description
@@ -329,4 +327,4 @@ def test_a_log_that_no_model_follows_says_nothing_of_the_other(monkeypatch):
     fit = SimpleNamespace(noise=SimpleNamespace(predictor=SimpleNamespace(vehicle=None)))
     monkeypatch.setattr(search, "adequacy", lambda _: here)
     monkeypatch.setattr(search, "plain_fit", refused)
-    assert search._judged(fit, None, None, SimpleNamespace(name="test.csv"), None, None) == (here, None)
+    assert search._judged(fit, "test.csv", None, None) == here

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import TypeAlias
 
 from ivsid.diagnosis.candidates.families import everything, score
@@ -24,7 +24,7 @@ from ivsid.diagnosis.null.thresholds import Calibration, calibrate
 from ivsid.diagnosis.null.visibility import Visibility, visibility
 from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
 from ivsid.diagnosis.selection.select import Selection, in_place, select
-from ivsid.diagnosis.selection.shared_structure import with_shared
+from ivsid.diagnosis.selection.shared_structure import with_other
 from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.diagnosis.statements.findings import nameless
 from ivsid.diagnosis.statements.motion import motion_of
@@ -90,7 +90,8 @@ class Searched:
         test: of the causes.
         selection: the causes.
         nothing: the gain if no cause is found.
-        judging: what is said of the model as it was.
+        judging: adequacy of the model as it was.
+        moving: the motion that it allows, or None: an adequate model is asked by its rows alone.
         limits: of detection.
     """
 
@@ -100,12 +101,13 @@ class Searched:
     test: Threshold
     selection: Selection
     nothing: Apart[Gain]
-    judging: Apart[tuple[Adequacy, tuple[TubeCheck, ...] | None]]
+    judging: Apart[Adequacy]
+    moving: Apart[tuple[TubeCheck, ...] | None]
     limits: Apart[dict[str, Mapping[str, float]]]
 
     def end(self) -> None:
         """Ends what is asked meanwhile: another search stands."""
-        for task in (self.nothing, self.judging, self.limits):
+        for task in (self.nothing, self.judging, self.moving, self.limits):
             task.end()
 
 
@@ -125,12 +127,12 @@ def searched(
         progress: told of each step.
     """
     visible = visibility(fit)
-    calibrating, nothing, judging, limits = _asked_of(fit, visible, logs, others, proof, seed)
+    calibrating, nothing, judging, moving, limits = _asked_of(fit, visible, logs, others, proof, seed)
     scored = score(fit)
     test = Threshold(calibrating.result(), visible)
     progress("looking for causes")
     selection = named(fit, scored, test, others[1], progress)
-    first = Searched(fit, scored, visible, test, selection, nothing, judging, limits)
+    first = Searched(fit, scored, visible, test, selection, nothing, judging, moving, limits)
     if not (selection.found and within_rows(selection.last)):
         return first
     progress("looking again, without yaw: beside these causes its turns are over within rows of the log")
@@ -150,19 +152,23 @@ def _asked_of(
 ) -> tuple[
     Apart[Calibration],
     Apart[Gain],
-    Apart[tuple[Adequacy, tuple[TubeCheck, ...] | None]],
+    Apart[Adequacy],
+    Apart[tuple[TubeCheck, ...] | None],
     Apart[dict[str, Mapping[str, float]]],
 ]:
     """What is asked of the plain model, in a process beside the search for causes, in the order in which it is asked for.
 
     Returns:
-        The test's calibration, the gain if no cause is found, what is said of the model as it was, and the limits of detection.
+        The test's calibration, the gain if no cause is found, the adequacy of the model as it was, the motion that it allows, and the limits of detection.
     """
     tested = frozenset(i for i, v in visible.items() if v.tested)
+    # One process has both, so that the second knows what the first found.
+    judged = cache(partial(_judged, fit, logs[1].name, *others))
     tasks = (
         Apart(partial(calibrate, fit, tested, NAMES, seed), begun=False),
         Apart(partial(unchanged, others[0], fit, seed), begun=False),
-        Apart(partial(_judged, fit, proof, *logs, *others), begun=False, late=True),
+        Apart(judged, begun=False),
+        Apart(lambda: None if judged().quiet else motion_of(proof, *logs), begun=False, late=True),
     )
     in_turn(*tasks)
     # The limits are asked for last and by nothing else: they fill what the other processes leave of the processors from now on.
@@ -197,16 +203,12 @@ def named(
     return in_place(selection, again, frozenset(barred))
 
 
-def _judged(
-    fit: Fit, proof: Proof, train: Log, test: Log, other: Channels, run: Channels | None
-) -> tuple[Adequacy, tuple[TubeCheck, ...] | None]:
-    """Adequacy of the model as it was, and the motion that it allows, or None: an adequate model is asked by its rows alone."""
+def _judged(fit: Fit, name: str, other: Channels, run: Channels | None) -> Adequacy:
+    """Adequacy of the model as it was, beside what the other log says of it."""
     before = adequacy(fit)
+    again = cache(lambda: adequacy(plain_fit(fit.noise.predictor.vehicle, other, everything)))
     if before.strained:
         # What is no more than chance on one log need not be on both.
         with suppress(IvsidError):
-            there = adequacy(plain_fit(fit.noise.predictor.vehicle, other, everything))
-            before = before.with_thrusts_of(there, test.name)
-    if run is not None:
-        before = with_shared(before, fit, run, test.name)
-    return before, None if before.quiet else motion_of(proof, train, test)
+            before = before.with_thrusts_of(again(), name)
+    return before if run is None else with_other(before, fit, run, name, again)

@@ -90,7 +90,7 @@ def diagnose(
     moving = Apart(
         partial(motion_of, proof, train, test),
         late=True,
-        begun=bool(selection.found) and judging.result()[1] is None,
+        begun=bool(selection.found) and judging.result().quiet,
     )
     confirmation = confirmed(fit, search.test, passed, looks, selection.last)
     if confirmation.stricter and any(full_refused(confirmation.test, f.first, f.fall) for f in passed):
@@ -100,7 +100,7 @@ def diagnose(
     trial = Trial(other, selection, seed, tried, search.nothing)
     shoaling = Apart(partial(change, selection.last, other, sounded(train, test)))
     trial.look()
-    before, motion = judging.result()
+    before = judging.result()
     rest, structure = _left(selection, before, search.test.visible, looks)
     complete = _complete(rest, proof, vehicle, train)
     findings, withdrawn = findings_of(
@@ -159,7 +159,7 @@ def diagnose(
     alone = rest.after.certain and complete == rest.sufficient and not (selection.found and rest.after is rest.before)
     claimed = claims(selection.last, selection.leftover, findings, unknown=None if alone else rest.after)
     visible = _limited(visible, search.limits.result())
-    motion = _allowed(motion, moving, findings)
+    motion = _allowed(search.moving.result(), moving, findings)
     findings = weighed(findings if shoal is None else (*findings, shallow(shoal)), shown)
     verdict = verdict_of(findings)
     said = [
@@ -216,12 +216,10 @@ def _no_findings(causes: Sequence[Found], refused: Mapping[str, Refusal]) -> dic
     return {f"{f.id}: {refused[f.id].sentence}": f.fall for f in causes}
 
 
-def _undecided(
-    selection: Selection, judging: Apart[tuple[Adequacy, tuple[TubeCheck, ...] | None]]
-) -> tuple[Found, ...]:
+def _undecided(selection: Selection, judging: Apart[Adequacy]) -> tuple[Found, ...]:
     """Causes that passed and on which the verdict depends: beside structure beyond doubt it is unknown, and only strong ones keep their name."""
     passed = (*selection.found, *selection.imitating)
-    if not passed or not beyond_doubt(rest := _rest(selection, judging.result()[0])):
+    if not passed or not beyond_doubt(rest := _rest(selection, judging.result())):
         return passed
     kept, _ = findings_of(selection, {}, rest.after, complete=False)
     return tuple(f for f in selection.found if f.id in {q.effect for q in kept})

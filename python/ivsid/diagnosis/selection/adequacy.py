@@ -87,6 +87,7 @@ class Adequacy:
         risk: probability below which structure is more than chance.
         alone: whether the best single fall is so rare that no second statistic is asked.
         shared: name of the other log, where the strongest regressor stands out of both logs together, by that fall; empty where it does not.
+        only: name of the other log, where the strongest regressors stand out of that alone; empty where they do not.
         leans: whether past errors or slow forces inside the declared ones had to take structure for no more than chance to be left, so that they may
             have moved the numbers as well.
     """
@@ -114,6 +115,7 @@ class Adequacy:
     risk: float = RISK
     alone: bool = False
     shared: str = ""
+    only: str = ""
     leans: bool = False
 
     @property

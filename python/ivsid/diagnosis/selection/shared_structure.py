@@ -1,6 +1,7 @@
-"""Structure that both logs show: a regressor of the dictionary that is no more than chance on either alone.
+"""Structure that the other log shows: a regressor of the dictionary that stands out of it alone, or of both logs together.
 
-A model without causes that leaves only chance on TRAIN is fitted to TEST under the noise of TRAIN. Falls by one regressor on two runs add, with
+A model without causes that leaves only chance on TRAIN is fitted to TEST under the noise of TRAIN. What stands out there beyond doubt does so beside
+the noise of TEST as well, to which the model is fitted once more. Falls by one regressor on two runs add, with
 one number of each. It has to stand out of either log with the same sign, and of both together far enough beside what may take it on one:
 any thrust curve inside its accuracy, noise of another spectrum than the whitening knows, past errors, and slow forces inside the declared one.
 
@@ -9,7 +10,7 @@ Source: docs/theory.md, "Structure on both logs"; Fisher, *Statistical Methods f
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from itertools import zip_longest
@@ -24,35 +25,42 @@ from ivsid.diagnosis.estimation.other_log import carried_to
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.frequencies import excess, spectrum
 from ivsid.diagnosis.null.leaving import Others
-from ivsid.diagnosis.selection.adequacy import ALONE, Adequacy
+from ivsid.diagnosis.selection.adequacy import ALONE, Adequacy, adequacy
 from ivsid.diagnosis.selection.dictionary import in_words, regressors
 from ivsid.diagnosis.selection.in_their_place import same_forces
 from ivsid.diagnosis.selection.standing import Standing
+from ivsid.errors import IvsidError
 
-# Probability of the best single fall on TRAIN, over the whole dictionary, from which on the other log is asked.
-# Source: resource: 13 of 191 sound logs are asked, which takes some seconds; of 18 whose chance was below 0.02 no regressor stood out of both
+# Probability of the best single fall on either log, over the whole dictionary, from which on both logs are asked together.
+# Source: resource: 13 of 191 sound logs are asked for their first log, which takes some seconds; of 18 whose chance was below 0.02 no regressor stood out of both
 DOUBTED: Final = 2e-3
 # Least fall of chi-squared on either log.
 # Source: definition: 0.3 % of normal errors lie beyond three standard deviations
 EACH: Final = 9.0
 
 
-def with_shared(before: Adequacy, fit: Fit, other: Channels, name: str) -> Adequacy:
-    """The adequacy of a model that one log leaves, with the structure that both logs show, if they do.
+def with_other(before: Adequacy, fit: Fit, other: Channels, name: str, again: Callable[[], Adequacy]) -> Adequacy:
+    """The adequacy of a model that one log leaves, with the structure that the other one or both show, if they do.
 
     Args:
         before: of the model fitted to the first log.
         fit: that fit.
         other: the other log.
         name: of the other log.
+        again: the adequacy of the model fitted to the other log as if that were the first.
     """
-    if not before.quiet or before.chance_of_one > DOUBTED:
+    if not before.quiet:
         return before
     # A log on which the numbers cannot be fitted says nothing of the structure.
-    with suppress(np.linalg.LinAlgError):
+    with suppress(np.linalg.LinAlgError, IvsidError):
         if (carried := carried_to(fit, other)) is not None:
-            found = _lasting(fit, survey(*carried, fit.fixed, frozenset()))
-            if found is not None:
+            there = survey(*carried, fit.fixed, frozenset())
+            beside = adequacy(there)
+            # A sea of another day has noise of its own, by which the structure has to stand out as well.
+            if beside.alone and (own := again()).alone:
+                return replace(before, strongest=own.strongest, chance_of_one=own.chance_of_one, alone=True, only=name)
+            doubted = min(before.chance_of_one, beside.chance_of_one) <= DOUBTED
+            if doubted and (found := _lasting(fit, there)) is not None:
                 force, fall, chance = found
                 function, channel = force.rsplit(" in ", 1)
                 strongest = ((function, channel, fall), *before.strongest[:2])
@@ -90,7 +98,8 @@ def together(first: Mapping[str, float], second: Mapping[str, float]) -> tuple[s
     if not falls:
         return None
     best = max(falls, key=falls.__getitem__)
-    chance = float(min(1.0, chdtrc(2, falls[best]) * len(first)))
+    # Of pairs that chance makes half have one sign, whatever their falls.
+    chance = float(min(1.0, chdtrc(2, falls[best]) / 2 * len(first)))
     return (best, falls[best], chance) if chance <= ALONE else None
 
 

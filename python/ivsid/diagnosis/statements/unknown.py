@@ -141,6 +141,22 @@ def _off(outside: Sequence[tuple[str, float]]) -> str:
     return " and ".join(said)
 
 
+def _followed(left: Adequacy, likely: str) -> str:
+    """A sentence on the regressors that the errors follow, on this log, on the other one alone, or on both together."""
+    read = _read(left.strongest[0][0])
+    if left.only:
+        return (
+            f"the errors that the model leaves on {left.only}, fitted to it, still follow the motion, strongest with {likely}, and this log shows no cause that explains "
+            f"it{read}; a diagnosis of {left.only} as the first log asks the whole catalogue of it, and a cause that it names there is one that only that manoeuvre "
+            "excites, or one of that day alone"
+        )
+    both = f" on this log and on {left.shared} together" if left.shared else ""
+    return (
+        f"the errors that the model leaves{both} still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
+        f"left), strongest with {likely}; no cause of the catalogue that this log tests explains it{read}"
+    )
+
+
 def _passed(imitated: Collection[str], faint: Collection[str]) -> Iterator[str]:
     """Clauses on causes that passed every test and are no findings, from a clause on each."""
     if imitated:
@@ -171,10 +187,7 @@ def unknown(
     """
     likely = ", ".join(f"{name} in {channel} ({np.sqrt(fall):.0f} sigma)" for name, channel, fall in left.strongest)
     channel = left.strongest[0][1]
-    text = (
-        f"the errors that the model leaves{f' on this log and on {left.shared} together' if left.shared else ''} still follow the motion (dictionary statistic {left.statistic:.2f}, about 1 where nothing is "
-        f"left), strongest with {likely}; no cause of the catalogue that this log tests explains it{_read(left.strongest[0][0])}"
-    )
+    text = _followed(left, likely)
     z = float(np.sqrt(left.strongest[0][2]))
     if not left.bounded:
         if left.pushed and left.leaving > left.strongest[0][2]:

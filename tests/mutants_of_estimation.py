@@ -4,6 +4,13 @@ from tests.mutant import python
 
 ESTIMATION = (
     python(
+        "peaks of a velocity as outliers",
+        "diagnosis/data/outliers.py",
+        "& (astray > ON_A_LINE * off)",
+        "",
+        "test_diagnosis_drawn.py",
+    ),
+    python(
         "caps on curves that an error has capped already",
         "diagnosis/estimation/signatures.py",
         "HIDING: Final = 5.0",

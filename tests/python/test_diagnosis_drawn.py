@@ -90,6 +90,21 @@ def test_a_corner_is_no_outlier_and_a_spike_is():
     assert np.flatnonzero(outliers(x)).tolist() == [30]
 
 
+def test_a_push_that_turns_round_leaves_a_corner_and_a_spike_beside_it_is_none():
+    """A light ROV whose couple of thrusters reverses under way turns by 3 rad/s² one way and the other: 43 peaks of a stranger's log were left out."""
+    rng = np.random.default_rng(3)
+    push = np.zeros(3000)
+    for start in range(40, 2900, 150):
+        # Half a second one way and half a second the other, which begins at a sample or between two.
+        push[start : start + 10], push[start + 10 : start + 20] = 2.8, -2.8
+        push[start + 10] = rng.uniform(-2.8, 2.8)
+        push[start + 20] = -push[start : start + 20].sum()
+    r = np.cumsum(push) * 0.05 + 2e-3 * rng.standard_normal(push.size)
+    assert not outliers(r).any()
+    r[[5, 49, 1030, 2996]] += [0.9, 0.9, -0.9, 0.9]
+    assert np.flatnonzero(outliers(r)).tolist() == [5, 49, 1030, 2996]
+
+
 def test_a_heading_loses_single_samples_however_far_it_turns():
     """A stranger's compass with spikes of 20 degrees was said to scatter by eleven times its accuracy; forty turns have a large deviation themselves."""
     rng = np.random.default_rng(8)

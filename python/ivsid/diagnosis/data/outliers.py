@@ -26,13 +26,17 @@ ABOVE_NEIGHBOURS: Final = 1.5
 # The distance from the nearer neighbour, on the same side of both, as a share of the deviation from their midpoint.
 # Source: geometry: between 0, a jump that ends at the next sample, and 1, an outlier between equal neighbours
 BEYOND_BOTH: Final = 0.5
+# The distance from either line through two samples before or after, as a share of the deviation from the midpoint, below which the sample is a corner.
+# Source: geometry: between 0, a force that turns round at the sample, and 1, an outlier among equal samples
+ON_A_LINE: Final = 0.5
 
 
 def outliers(x: Array, *, turns: bool = False) -> NDArray[np.bool_]:
     """The samples of a velocity, a place or a heading that stand far beyond both neighbours, shape (n,).
 
     An outlier lies beyond both neighbours on the same side. A force that jumps moves a sample far from the midpoint of its neighbours,
-    too, but next to one of them. Accelerations are no subject: they may jump and come back.
+    too, but next to one of them, and one that turns round makes a corner, to which the samples before or after it lead. Accelerations are no subject:
+    they may jump and come back.
 
     Args:
         x: readings, NaN where one is missing, shape (n,).
@@ -47,9 +51,12 @@ def outliers(x: Array, *, turns: bool = False) -> NDArray[np.bool_]:
     off, beyond = np.zeros(there.size), np.zeros(there.size)
     off[1:-1] = 0.5 * np.abs(before + after)
     beyond[1:-1] = np.where(before * after > 0, np.minimum(np.abs(before), np.abs(after)), 0.0)
+    astray = np.full(there.size, np.inf)
+    astray[2:] = np.abs(values[2:] - 2 * values[1:-1] + values[:-2])
+    astray[:-2] = np.minimum(astray[:-2], np.abs(values[:-2] - 2 * values[1:-1] + values[2:]))
     usual = float(np.quantile(off, USUAL))
     highest = off > ABOVE_NEIGHBOURS * np.maximum(np.r_[0.0, off[:-1]], np.r_[off[1:], 0.0])
     if usual > 0:
         far = off > max(THRESHOLD * usual, 0.0 if turns else LEAST_SHARE * float(values.std()))
-        found[there] = far & highest & (beyond > BEYOND_BOTH * off)
+        found[there] = far & highest & (beyond > BEYOND_BOTH * off) & (astray > ON_A_LINE * off)
     return found

@@ -276,6 +276,10 @@ def test_steps_turns_and_outliers_do_not_depend_on_pieces(monkeypatch):
     u = np.cumsum(0.01 * rng.normal(size=1000))
     u[[40, 41 * 3, 500]] += 9.0
     assert (quality._spikes("u", u) == [40, 123, 500]).all()
+    # A force that turns round makes a corner, wherever a piece ends.
+    for k in (2, 81, 82, 83, 300, 997):
+        u += np.maximum(6.0 - 3.0 * np.abs(np.arange(1000) - k), 0.0)
+        assert (quality._spikes("u", u) == [40, 123, 500]).all()
     held = np.repeat(rng.normal(size=100), 10)
     held[[3, 40, 41]] = np.nan
     assert quality._repeats(held) and not quality._repeats(np.r_[1.0, np.nan, 2.0, np.nan])

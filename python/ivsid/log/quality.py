@@ -23,6 +23,9 @@ HOLDABLE: Final = (
 # median step is 0.95 standard deviations, and the step itself has 1.41.
 # Source: theorem: quantiles of the normal distribution
 SPIKE: Final = 20.0
+# Step before that to a sample, or after that from it, in the same direction and as a share of it, from which on the sample is a corner.
+# Source: geometry: between 1, a force that turns round at the sample, and 0, an outlier among equal samples
+FLANK: Final = 0.5
 # Steps that the median of a channel is taken of.
 # Source: resource: bounds the time of the median on long logs
 SOME: Final = 100_000
@@ -236,12 +239,14 @@ def _spikes(name: str, values: Array) -> NDArray[np.intp]:
     limit = SPIKE * usual
 
     def alone(part: slice) -> NDArray[np.intp]:
-        step = steps_in(values, slice(part.start, part.stop + 1))
-        big = np.abs(step) > limit
-        return np.asarray(
-            np.flatnonzero(big[:-1] & big[1:] & (np.signbit(step[:-1]) != np.signbit(step[1:]))) + (part.start + 1),
-            dtype=np.intp,
-        )
+        # Beside the first and the last step of the channel there is none.
+        step = np.zeros(part.stop - part.start + 3)
+        first, last = max(part.start - 1, 0), min(part.stop + 2, values.size - 1)
+        step[first - part.start + 1 :][: last - first] = steps_in(values, slice(first, last))
+        before, to, off, after = step[:-3], step[1:-2], step[2:-1], step[3:]
+        far = (np.abs(to) > limit) & (np.abs(off) > limit) & (np.signbit(to) != np.signbit(off))
+        corner = (before * to >= FLANK * to**2) | (after * off >= FLANK * off**2)
+        return np.asarray(np.flatnonzero(far & ~corner) + (part.start + 1), dtype=np.intp)
 
     return np.concatenate(over_pieces(pieces(values.size - 2), alone))
 

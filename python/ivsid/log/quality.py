@@ -245,10 +245,16 @@ def _spikes(name: str, values: Array) -> NDArray[np.intp]:
         step[first - part.start + 1 :][: last - first] = steps_in(values, slice(first, last))
         before, to, off, after = step[:-3], step[1:-2], step[2:-1], step[3:]
         far = (np.abs(to) > limit) & (np.abs(off) > limit) & (np.signbit(to) != np.signbit(off))
-        corner = (before * to >= FLANK * to**2) | (after * off >= FLANK * off**2)
+        corner = _leads(before, to) | _leads(after, off)
         return np.asarray(np.flatnonzero(far & ~corner) + (part.start + 1), dtype=np.intp)
 
     return np.concatenate(over_pieces(pieces(values.size - 2), alone))
+
+
+def _leads(flank: Array, step: Array) -> NDArray[np.bool_]:
+    """Whether a step beside one goes the same way, and far enough to be the flank of a corner."""
+    same = np.signbit(flank) == np.signbit(step)
+    return np.asarray(same & (np.abs(flank) >= FLANK * np.abs(step)), dtype=bool)
 
 
 def gaps(t: Array) -> list[str]:

@@ -139,6 +139,7 @@ def test_structure_that_the_other_log_alone_shows_is_structure(monkeypatch):
     assert (found.fall, found.freedom, found.chance) == (before.fall, before.freedom, before.chance)
     said = unknown(found, ())
     assert said.evidence["channel"] == "sway" and said.evidence["z"] == pytest.approx(418.0**0.5)
+    assert said.evidence["chance"] == 1e-90
     assert (
         "leaves on test.csv, fitted to it," in said.description and "3.1 s swinging memory in sway" in said.description
     )

@@ -237,6 +237,7 @@ def unknown(
         "channel": channel,
         "z": z,
         "statistic": left.statistic,
-        "chance": left.chance,
+        # What the other log shows is rare there: the whole dictionary on this one may be no more than chance.
+        "chance": left.chance_of_one if left.shared or left.only else left.chance,
     }
     return Finding("unknown", 1.0, (), "", {}, evidence, text)

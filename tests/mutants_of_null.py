@@ -5,6 +5,41 @@ from tests.mutant import STATED, python
 NULL = (
     python("level of the names 10 %", "diagnosis/null/levels.py", "NAMES: Final = 0.005", "NAMES: Final = 0.10"),
     python(
+        "errors inside cells that have not settled, of causes like them",
+        "diagnosis/null/round.py",
+        "if inside and DOUBTED <= left < SETTLED",
+        "if False and DOUBTED <= left < SETTLED",
+        "test_settled_cells.py",
+    ),
+    python(
+        "errors inside cells that have not settled, of any cause",
+        "diagnosis/null/screening.py",
+        "lambda c: c.round.faint(c.s) or c.round.unsettled,",
+        "lambda c: c.round.faint(c.s),",
+        "test_settled_cells.py",
+    ),
+    python(
+        "errors that leave their bounds beside the usual cells alone",
+        "diagnosis/null/round.py",
+        "reached = self._settled if closer else self.reached",
+        "reached = self.reached",
+        "test_settled_cells.py",
+    ),
+    python(
+        "thrusts that leave their bounds by more than 1000 without more cells",
+        "diagnosis/null/leaving.py",
+        "        closer = Reached(others.closer).leaving\n",
+        "        closer = left if left >= FORETOLD else Reached(others.closer).leaving\n",
+        "test_settled_cells.py",
+    ),
+    python(
+        "regressors beside the usual cells alone",
+        "diagnosis/selection/adequacy.py",
+        "if found.strongest[0][2] >= SETTLED * before:",
+        "if True:",
+        "test_settled_cells.py",
+    ),
+    python(
         "level of the structure 10 %", "diagnosis/null/levels.py", "STRUCTURE: Final = 0.0025", "STRUCTURE: Final = 0.1"
     ),
     python(

@@ -23,6 +23,13 @@ FINER: Final = 3
 # Source: measured: of a drag in yaw of 33 in chi-squared that jumps inside cells made, 26 were left beside the usual cells, and 3 beside twice as many; errors that
 # jump every fortieth of the range left the zonotope of the usual cells by 352 and 609, and that of twice as many by 0 and 1; a force of the heading left both
 CLOSER: Final = 2
+# The same where what is left has not settled.
+# Source: resource: a gigabyte for a log of 600 s at 20 Hz, where errors inside cells stand far out of a calm sea alone
+FINEST: Final = 6
+# Share of what fewer cells leave, from which on more of them leave what no error inside any cell makes.
+# Source: measured: of nine causes at thrusters three and six times the cells left 0.85 and more of what the usual ones did; of a cap of 540 in chi-squared that errors between
+# two levels made in a calm sea 519, 167, 57, 4 and 0 were left beside one to five times the cells
+SETTLED: Final = 0.5
 # Fall of chi-squared beside the usual cells from which on a cause is clear of them.
 # Source: resource: twelve standard deviations, and more cells take as long as a survey; what errors inside cells made was 39 at most
 CLEAR: Final = 144.0

@@ -20,7 +20,7 @@ from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve
 from ivsid.diagnosis.null.beside import Beside
 from ivsid.diagnosis.null.boxed import Boxed, Leaving, outside, readings
 from ivsid.diagnosis.null.frequencies import spectrum
-from ivsid.diagnosis.null.inside_cells import CLOSER
+from ivsid.diagnosis.null.inside_cells import CLOSER, FINEST, SETTLED
 from ivsid.diagnosis.null.long_past import LongPast
 from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
@@ -50,6 +50,17 @@ class Others:
     def closer(self) -> AnyCurve:
         """The base beside curves that jump more often."""
         return AnyCurve(self.fit, finer=CLOSER)
+
+    @cached_property
+    def finest(self) -> AnyCurve:
+        """The base beside curves that jump in most cells."""
+        return AnyCurve(self.fit, finer=FINEST)
+
+    def curves(self) -> Iterator[AnyCurve]:
+        """The base beside any thrust curve, with more and more cells."""
+        yield self.curve
+        yield self.closer
+        yield self.finest
 
     @cached_property
     def past(self) -> OwnPast:
@@ -88,8 +99,12 @@ def thrusts(others: Others) -> tuple[float, int, float]:
     if doubt or far:
         reached = Reached(others.curve).leaving
         left = min(left, reached) if doubt else reached
-    if chdtrc(knots, left) <= DOUBT and left < FORETOLD:
-        left = min(left, Reached(others.closer).leaving)
+    if chdtrc(knots, left) <= DOUBT:
+        # However far they leave it: a jump inside a cell stands out of a calm sea as far as a cause does.
+        closer = Reached(others.closer).leaving
+        if chdtrc(knots, closer) <= DOUBT and closer < SETTLED * left:
+            closer = min(closer, Reached(others.finest).leaving)
+        left = min(left, closer)
     bare = left
     if chdtrc(knots, left) <= DOUBT and left < FORETOLD:
         # An ambient force of another spectrum than the whitening knows scatters them as well.

@@ -24,7 +24,7 @@ from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import Directions
 from ivsid.diagnosis.null.frequencies import Frequencies
 from ivsid.diagnosis.null.gradual import BETTER, NO_FORCES, beside_curves, gradual, most_beyond
-from ivsid.diagnosis.null.inside_cells import CLEAR, CLOSER, FINER, inside_cells
+from ivsid.diagnosis.null.inside_cells import CLEAR, CLOSER, FINER, FINEST, SETTLED, inside_cells
 from ivsid.diagnosis.null.modulated import modulated_columns
 from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
@@ -35,6 +35,9 @@ Array = NDArray[np.float64]
 # Fall of chi-squared from which on a cause at a thruster is asked for beside errors that keep their bounds, too.
 # Source: resource: three standard deviations, and the cells take as long as a survey
 ASKED: Final = 9.0
+# Fall of chi-squared of a cause beside more cells, from which on it is asked whether still more would leave it.
+# Source: definition: five standard deviations; fainter causes are no findings
+DOUBTED: Final = 25.0
 
 
 @dataclass(frozen=True)
@@ -71,9 +74,24 @@ class Round:
         return Directions(self.curve)
 
     @cached_property
+    def closer(self) -> AnyCurve:
+        """The base beside curves that jump in twice as many cells."""
+        return AnyCurve(self.fit, finer=CLOSER)
+
+    @cached_property
+    def finest(self) -> AnyCurve:
+        """The base beside curves that jump in most cells."""
+        return AnyCurve(self.fit, finer=FINEST)
+
+    @cached_property
     def closer_directions(self) -> Directions:
-        """The same with twice the cells, for faint causes."""
-        return Directions(AnyCurve(self.fit, finer=CLOSER))
+        """Directions with twice the cells, for faint causes, and with most where errors of the log jump inside the usual ones."""
+        return self.finest_directions if self.unsettled else Directions(self.closer)
+
+    @cached_property
+    def finest_directions(self) -> Directions:
+        """The same with most cells."""
+        return Directions(self.finest)
 
     @cached_property
     def finer_directions(self) -> Directions:
@@ -115,6 +133,25 @@ class Round:
         return Reached(self.curve)
 
     @cached_property
+    def unsettled(self) -> bool:
+        """Whether errors of the log jump inside the usual cells: these leave it more than twice as far from its errors at the knots as twice the cells do.
+
+        Where the ambient force is small beside the accuracy such a jump stands out far, and causes beside the usual cells with it.
+        """
+        if self._kept > self.chance or self._allows(self.reached):
+            return False
+        return Reached(self.closer).leaving < SETTLED * self.reached.leaving
+
+    @cached_property
+    def _settled(self) -> Reached:
+        """What curves reach in as many cells as the log asks for."""
+        return Reached(self.finest) if self.unsettled else self.reached
+
+    def _allows(self, reached: Reached) -> bool:
+        """Whether the log allows the errors at the knots among curves inside their accuracy."""
+        return bool(chdtrc(max(reached.knots, 1), reached.leaving) > self.chance)
+
+    @cached_property
     def _kept(self) -> float:
         """Probability of the log if the errors at the knots keep their bounds."""
         return float(chdtrc(max(self.boxed.knots, 1), self.boxed.leaving))
@@ -123,8 +160,12 @@ class Round:
         """Fall of chi-squared of a family that no declared error inside its bound can make."""
         asked = (s.id, *s.columns), s.theta
         if asked not in self._left:
-            curve = self.finer_directions if inside_cells(self.fit, s) else self.directions
-            self._left[asked] = curve.left(s)
+            inside = inside_cells(self.fit, s)
+            left = (self.finer_directions if inside else self.directions).left(s)
+            if inside and DOUBTED <= left < SETTLED * self.directions.left(s):
+                # Errors that jump inside these cells, too, may make what is left.
+                left = min(left, self.finest_directions.left(s))
+            self._left[asked] = left
         return self._left[asked]
 
     def left_beside(self, s: Scored, other: Beside, *, closer: bool = False) -> float:
@@ -198,11 +239,13 @@ class Round:
 
         Args:
             s: a family.
-            closer: whether errors may jump in twice as many cells.
+            closer: whether errors may jump in twice as many cells, or in as many as the log asks for.
         """
-        left = max(min(self.closer_directions.left(s) if closer else self.left(s), s.fall), s.boxed)
+        reached = self._settled if closer else self.reached
+        boxed = s.boxed if reached is self.reached or is_declared(self.fit, s) else self._boxed(s, reached)
+        left = max(min(self.closer_directions.left(s) if closer else self.left(s), s.fall), boxed)
         if self._kept <= self.chance:
-            left = max(left, min(self.reached.of(s), s.fall))
+            left = max(left, min(reached.of(s), s.fall))
         return lost(s.shown, left)
 
     def in_box(self, s: Scored) -> Scored:
@@ -215,10 +258,11 @@ class Round:
         if is_declared(self.fit, s):
             return replace(s, boxed=self.left(s))
         # Values at the knots have room for overshoots, so that they may keep their bounds where no curve does.
-        if not s.candidate.effect.acts.at_thruster:
-            return s
-        r = self.reached
-        return s if chdtrc(max(r.knots, 1), r.leaving) > self.chance else replace(s, boxed=r.of(s))
+        return replace(s, boxed=self._boxed(s, self.reached)) if s.candidate.effect.acts.at_thruster else s
+
+    def _boxed(self, s: Scored, reached: Reached) -> float:
+        """Fall of a cause at a thruster beside errors that keep their bounds; 0 where the log allows them, and of other causes."""
+        return 0.0 if not s.candidate.effect.acts.at_thruster or self._allows(reached) else reached.of(s)
 
     def blind(self, id_: str) -> bool:
         """Whether a cause's signature is mostly made of the errors of the filtered states."""

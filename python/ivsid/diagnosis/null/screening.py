@@ -337,7 +337,8 @@ ANY_CURVE: Final = Rule[Case](
 )
 CLOSER_CURVE: Final = Rule[Case](
     "closer curve",
-    f"the same beside errors that jump in twice as many cells of demand, of a cause of which less than {CLEAR:g} in chi² is left",
+    f"the same beside errors that jump in twice as many cells of demand, of a cause of which less than {CLEAR:g} in chi² is left; in six times as many, of any cause, "
+    "where errors of the log jump inside the usual ones",
     f"at most {WORST:g}",
     "Errors that jump inside a cell are no constant share of their bound there. Many cells hold many such errors, and some look like any faint cause a little.",
     "definition: the limit of any curve",
@@ -345,7 +346,7 @@ CLOSER_CURVE: Final = Rule[Case](
     lambda _: WORST,
     "errors inside the stated accuracies that jump more often may explain it: beside the worst of them its fall of chi² has probability {value:.1g}, "
     "and {limit:.1g} is the limit",
-    lambda c: c.round.faint(c.s),
+    lambda c: c.round.faint(c.s) or c.round.unsettled,
     least=False,
 )
 SCREENING: Final = (

@@ -20,6 +20,7 @@ from ivsid.diagnosis.null.beyond_curves import rougher_beyond
 from ivsid.diagnosis.null.blows import BLOWS, Blow, blow
 from ivsid.diagnosis.null.boxed import Leaving, outside
 from ivsid.diagnosis.null.frequencies import Scatter, Spectrum, excess, spectrum
+from ivsid.diagnosis.null.inside_cells import SETTLED
 from ivsid.diagnosis.null.leaving import FAR, Others, misread_of, thrusts
 from ivsid.diagnosis.null.own_past import FORETOLD
 from ivsid.diagnosis.null.rhythm import Rhythm, rhythm
@@ -302,13 +303,18 @@ def adequacy(fit: Fit, *, turning: bool = False, known: Regressors | None = None
         blow=blow(others),
     )
     worst = _none
-    if not found.white:
-        free = others.curve
+    for free in others.curves():
+        if found.white:
+            break
+        before = found.strongest[0][2]
         worst, first = free.worst, len(free.g.names)
         wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
         own, at = Projection(wide, free.projection.base), range(first, len(wide.names))
         scatter = excess(fit, own, at, spectrum(fit, wide) if noise is None else noise)
         found = found.also(_structure(own, at, names, worst, scatter))
+        if found.strongest[0][2] >= SETTLED * before:
+            # More cells take as little: errors that jump inside them are not what is left.
+            break
     leans = not found.white or not replace(found, leaving=bare, misread=bare_misread).in_bounds
     for other in others.beside():
         # A regressor that stands for coefficients that the whitening lacks has no more to say than past errors do, and one of minutes no more than

@@ -33,9 +33,16 @@ NULL = (
         "test_settled_cells.py",
     ),
     python(
+        "regressors beside most cells always",
+        "diagnosis/selection/adequacy.py",
+        "return beside(others.finest) if beside(others.closer)[0].strongest[0][2] < SETTLED * now else usual",
+        "return beside(others.finest)",
+        "test_two_logs.py",
+    ),
+    python(
         "regressors beside the usual cells alone",
         "diagnosis/selection/adequacy.py",
-        "if found.strongest[0][2] >= SETTLED * before:",
+        "if usual[0].white or now >= SETTLED * before:",
         "if True:",
         "test_settled_cells.py",
     ),

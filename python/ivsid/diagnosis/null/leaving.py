@@ -56,12 +56,6 @@ class Others:
         """The base beside curves that jump in most cells."""
         return AnyCurve(self.fit, finer=FINEST)
 
-    def curves(self) -> Iterator[AnyCurve]:
-        """The base beside any thrust curve, with more and more cells."""
-        yield self.curve
-        yield self.closer
-        yield self.finest
-
     @cached_property
     def past(self) -> OwnPast:
         """The base beside the log's own past errors."""

@@ -7,15 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
+from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import beyond
+from ivsid.diagnosis.null.any_curve import AnyCurve, beyond
 from ivsid.diagnosis.null.beyond_curves import rougher_beyond
 from ivsid.diagnosis.null.blows import BLOWS, Blow, blow
 from ivsid.diagnosis.null.boxed import Leaving, outside
@@ -32,6 +33,8 @@ from ivsid.diagnosis.selection.standing import Standing
 from ivsid.effects import CHANNELS
 
 Array = NDArray[np.float64]
+# Structure beside any thrust curve, with the cross-products, least squares and regressors that it is of, and the worst of declared errors there.
+_Beside: TypeAlias = "tuple[Adequacy, Gram, Projection, range, Callable[[Array], Array]]"
 # Probability with which a true model is called insufficient by its regressors, and by its thrust errors, where no null logs are asked.
 # Source: definition: a tenth of the 1 % of logs without an effect that may give a finding
 RISK: Final = 1e-3
@@ -302,19 +305,16 @@ def adequacy(fit: Fit, *, turning: bool = False, known: Regressors | None = None
         rhythm=rhythm(fit),
         blow=blow(others),
     )
-    worst = _none
-    for free in others.curves():
-        if found.white:
-            break
-        before = found.strongest[0][2]
-        worst, first = free.worst, len(free.g.names)
+
+    def beside_curves(free: AnyCurve) -> _Beside:
         wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
-        own, at = Projection(wide, free.projection.base), range(first, len(wide.names))
+        own, at = Projection(wide, free.projection.base), range(len(free.g.names), len(wide.names))
         scatter = excess(fit, own, at, spectrum(fit, wide) if noise is None else noise)
-        found = found.also(_structure(own, at, names, worst, scatter))
-        if found.strongest[0][2] >= SETTLED * before:
-            # More cells take as little: errors that jump inside them are not what is left.
-            break
+        return found.also(_structure(own, at, names, free.worst, scatter)), wide, own, at, free.worst
+
+    worst: Callable[[Array], Array] = _none
+    if not found.white:
+        found, wide, own, at, worst = _resolved(others, found, beside_curves)
     leans = not found.white or not replace(found, leaving=bare, misread=bare_misread).in_bounds
     for other in others.beside():
         # A regressor that stands for coefficients that the whitening lacks has no more to say than past errors do, and one of minutes no more than
@@ -331,6 +331,22 @@ def adequacy(fit: Fit, *, turning: bool = False, known: Regressors | None = None
             # A wave that joins slow forces may follow what is no noise.
             break
     return replace(found, leans=leans)
+
+
+def _resolved(others: Others, bare: Adequacy, beside: Callable[[AnyCurve], _Beside]) -> _Beside:
+    """Structure beside any thrust curve in the usual cells, or in most where twice as many leave less than half of it: it is of errors that jump inside cells.
+
+    Args:
+        others: with the curves.
+        bare: structure beside none.
+        beside: structure beside curves.
+    """
+    usual = beside(others.curve)
+    before, now = (q.strongest[0][2] for q in (bare, usual[0]))
+    # Where the usual cells take little, more of them do.
+    if usual[0].white or now >= SETTLED * before:
+        return usual
+    return beside(others.finest) if beside(others.closer)[0].strongest[0][2] < SETTLED * now else usual
 
 
 def _pushed(fit: Fit, far: Sequence[tuple[str, float]]) -> str:

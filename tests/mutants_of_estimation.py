@@ -6,7 +6,7 @@ ESTIMATION = (
     python(
         "peaks of a velocity as outliers",
         "diagnosis/data/outliers.py",
-        "& (astray > ON_A_LINE * off)",
+        " & ~corner",
         "",
         "test_diagnosis_drawn.py",
     ),

@@ -239,22 +239,29 @@ def _spikes(name: str, values: Array) -> NDArray[np.intp]:
     limit = SPIKE * usual
 
     def alone(part: slice) -> NDArray[np.intp]:
-        # Beside the first and the last step of the channel there is none.
-        step = np.zeros(part.stop - part.start + 3)
         first, last = max(part.start - 1, 0), min(part.stop + 2, values.size - 1)
-        step[first - part.start + 1 :][: last - first] = steps_in(values, slice(first, last))
-        before, to, off, after = step[:-3], step[1:-2], step[2:-1], step[3:]
-        far = (np.abs(to) > limit) & (np.abs(off) > limit) & (np.signbit(to) != np.signbit(off))
-        corner = _leads(before, to) | _leads(after, off)
-        return np.asarray(np.flatnonzero(far & ~corner) + (part.start + 1), dtype=np.intp)
+        step = steps_in(values, slice(first, last))
+        to, off = step[:-1], step[1:]
+        far = (np.abs(to) > limit) & (np.abs(off) > limit) & (np.signbit(to) != np.signbit(off)) & ~corners(step)
+        # A step beside the part says whether it leads to a corner, and its own sample is another part's.
+        found = np.flatnonzero(far) + (first + 1)
+        return np.asarray(found[(found > part.start) & (found <= part.stop)], dtype=np.intp)
 
     return np.concatenate(over_pieces(pieces(values.size - 2), alone))
 
 
-def _leads(flank: Array, step: Array) -> NDArray[np.bool_]:
-    """Whether a step beside one goes the same way, and far enough to be the flank of a corner."""
-    same = np.signbit(flank) == np.signbit(step)
-    return np.asarray(same & (np.abs(flank) >= FLANK * np.abs(step)), dtype=bool)
+def corners(step: Array) -> NDArray[np.bool_]:
+    """Whether each sample between two steps is a corner, where a force turns round: the step before or after leads to it, shape (steps - 1,).
+
+    Args:
+        step: steps from sample to sample, shape (steps,).
+    """
+    leads = np.signbit(step[1:]) == np.signbit(step[:-1])
+    size = np.abs(step)
+    found = np.zeros(step.size - 1, dtype=bool)
+    found[1:] |= leads[:-1] & (size[:-2] >= FLANK * size[1:-1])
+    found[:-1] |= leads[1:] & (size[2:] >= FLANK * size[1:-1])
+    return found
 
 
 def gaps(t: Array) -> list[str]:

@@ -7,6 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ivsid.log.quality import corners
+
 Array = NDArray[np.float64]
 # Fewest samples of a channel in which outliers are looked for: the 95 % quantile of fewer rests on one or two of them.
 # Source: geometry: a twentieth of 50 samples is 2.5
@@ -26,9 +28,6 @@ ABOVE_NEIGHBOURS: Final = 1.5
 # The distance from the nearer neighbour, on the same side of both, as a share of the deviation from their midpoint.
 # Source: geometry: between 0, a jump that ends at the next sample, and 1, an outlier between equal neighbours
 BEYOND_BOTH: Final = 0.5
-# The distance from either line through two samples before or after, as a share of the deviation from the midpoint, below which the sample is a corner.
-# Source: geometry: between 0, a force that turns round at the sample, and 1, an outlier among equal samples
-ON_A_LINE: Final = 0.5
 
 
 def outliers(x: Array, *, turns: bool = False) -> NDArray[np.bool_]:
@@ -51,12 +50,11 @@ def outliers(x: Array, *, turns: bool = False) -> NDArray[np.bool_]:
     off, beyond = np.zeros(there.size), np.zeros(there.size)
     off[1:-1] = 0.5 * np.abs(before + after)
     beyond[1:-1] = np.where(before * after > 0, np.minimum(np.abs(before), np.abs(after)), 0.0)
-    astray = np.full(there.size, np.inf)
-    astray[2:] = np.abs(values[2:] - 2 * values[1:-1] + values[:-2])
-    astray[:-2] = np.minimum(astray[:-2], np.abs(values[:-2] - 2 * values[1:-1] + values[2:]))
+    corner = np.zeros(there.size, dtype=bool)
+    corner[1:-1] = corners(np.diff(values))
     usual = float(np.quantile(off, USUAL))
     highest = off > ABOVE_NEIGHBOURS * np.maximum(np.r_[0.0, off[:-1]], np.r_[off[1:], 0.0])
     if usual > 0:
         far = off > max(THRESHOLD * usual, 0.0 if turns else LEAST_SHARE * float(values.std()))
-        found[there] = far & highest & (beyond > BEYOND_BOTH * off) & (astray > ON_A_LINE * off)
+        found[there] = far & highest & (beyond > BEYOND_BOTH * off) & ~corner
     return found

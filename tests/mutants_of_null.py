@@ -7,8 +7,8 @@ NULL = (
     python(
         "errors inside cells that have not settled, of causes like them",
         "diagnosis/null/round.py",
-        "if inside and DOUBTED <= left < SETTLED",
-        "if False and DOUBTED <= left < SETTLED",
+        "if inside and left >= DOUBTED",
+        "if False and left >= DOUBTED",
         "test_settled_cells.py",
     ),
     python(
@@ -35,14 +35,14 @@ NULL = (
     python(
         "regressors beside most cells always",
         "diagnosis/selection/adequacy.py",
-        "return beside(others.finest) if beside(others.closer)[0].strongest[0][2] < SETTLED * now else usual",
+        "return usual if settled(now, beside(others.closer)[0].strongest[0][2]) else beside(others.finest)",
         "return beside(others.finest)",
         "test_two_logs.py",
     ),
     python(
         "regressors beside the usual cells alone",
         "diagnosis/selection/adequacy.py",
-        "if usual[0].white or now >= SETTLED * before:",
+        "if usual[0].white or settled(before, now):",
         "if True:",
         "test_settled_cells.py",
     ),

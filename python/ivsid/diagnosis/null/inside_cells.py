@@ -5,12 +5,14 @@ Faint causes have to as well, whatever they are: among the errors inside many ce
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
+from ivsid.diagnosis.null.any_curve import AnyCurve
 from ivsid.diagnosis.plant.thrust_errors import bound_of
 
 # Cells beside which a cause has to stand that errors inside a cell may look like, in those of other causes. Where demands drift or change their
@@ -27,12 +29,52 @@ CLOSER: Final = 2
 # Source: resource: a gigabyte for a log of 600 s at 20 Hz, where errors inside cells stand far out of a calm sea alone
 FINEST: Final = 6
 # Share of what fewer cells leave, from which on more of them leave what no error inside any cell makes.
-# Source: measured: of nine causes at thrusters three and six times the cells left 0.85 and more of what the usual ones did; of a cap of 540 in chi-squared that errors between
-# two levels made in a calm sea 519, 167, 57, 4 and 0 were left beside one to five times the cells
+# Source: measured: of fifteen causes at thrusters three and six times the cells left 0.85 and more of what the usual ones did, and 0.58 of a dead band of which these left 143;
+# of a cap of 540 in chi-squared that errors between two levels made in a calm sea 519, 167, 57, 4 and 0 were left beside one to five times the cells
 SETTLED: Final = 0.5
 # Fall of chi-squared beside the usual cells from which on a cause is clear of them.
 # Source: resource: twelve standard deviations, and more cells take as long as a survey; what errors inside cells made was 39 at most
 CLEAR: Final = 144.0
+
+
+def settled(fewer: float, more: float) -> bool:
+    """Whether more cells leave enough of what fewer leave: what is left is not made by errors that jump inside the fewer.
+
+    Args:
+        fewer: what is left beside fewer cells, in chi-squared.
+        more: what is left beside more of them.
+    """
+    return more >= SETTLED * fewer
+
+
+class Cells:
+    """The base of a fit beside any thrust curve, in more and more cells of demand.
+
+    Args:
+        fit: of the log.
+    """
+
+    fit: Fit
+
+    @cached_property
+    def curve(self) -> AnyCurve:
+        """In the usual cells."""
+        return AnyCurve(self.fit)
+
+    @cached_property
+    def closer(self) -> AnyCurve:
+        """In twice as many."""
+        return AnyCurve(self.fit, finer=CLOSER)
+
+    @cached_property
+    def finer(self) -> AnyCurve:
+        """In three times as many."""
+        return AnyCurve(self.fit, finer=FINER)
+
+    @cached_property
+    def finest(self) -> AnyCurve:
+        """In most."""
+        return AnyCurve(self.fit, finer=FINEST)
 
 
 def inside_cells(fit: Fit, s: Scored) -> bool:

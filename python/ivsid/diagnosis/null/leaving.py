@@ -16,11 +16,11 @@ from scipy.special import chdtrc
 
 from ivsid.diagnosis.estimation.cross_products import Gram
 from ivsid.diagnosis.estimation.fit import Fit
-from ivsid.diagnosis.null.any_curve import DOUBT, AnyCurve
+from ivsid.diagnosis.null.any_curve import DOUBT
 from ivsid.diagnosis.null.beside import Beside
 from ivsid.diagnosis.null.boxed import Boxed, Leaving, outside, readings
 from ivsid.diagnosis.null.frequencies import spectrum
-from ivsid.diagnosis.null.inside_cells import CLOSER, FINEST, SETTLED
+from ivsid.diagnosis.null.inside_cells import Cells, settled
 from ivsid.diagnosis.null.long_past import LongPast
 from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
@@ -35,26 +35,11 @@ FAR: Final = 2.0
 Misread: TypeAlias = "tuple[str, Leaving, float]"
 
 
-class Others:
+class Others(Cells):
     """What may have made a declared error leave its bound: any thrust curve inside its accuracy, past errors, and slow forces."""
 
     def __init__(self, fit: Fit) -> None:
         self.fit = fit
-
-    @cached_property
-    def curve(self) -> AnyCurve:
-        """The base beside any thrust curve."""
-        return AnyCurve(self.fit)
-
-    @cached_property
-    def closer(self) -> AnyCurve:
-        """The base beside curves that jump more often."""
-        return AnyCurve(self.fit, finer=CLOSER)
-
-    @cached_property
-    def finest(self) -> AnyCurve:
-        """The base beside curves that jump in most cells."""
-        return AnyCurve(self.fit, finer=FINEST)
 
     @cached_property
     def past(self) -> OwnPast:
@@ -96,7 +81,7 @@ def thrusts(others: Others) -> tuple[float, int, float]:
     if chdtrc(knots, left) <= DOUBT:
         # However far they leave it: a jump inside a cell stands out of a calm sea as far as a cause does.
         closer = Reached(others.closer).leaving
-        if chdtrc(knots, closer) <= DOUBT and closer < SETTLED * left:
+        if chdtrc(knots, closer) <= DOUBT and not settled(left, closer):
             closer = min(closer, Reached(others.finest).leaving)
         left = min(left, closer)
     bare = left

@@ -18,13 +18,13 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.kinds.step import StepCandidate
 from ivsid.diagnosis.estimation.projection import Projection
-from ivsid.diagnosis.null.any_curve import AnyCurve, is_declared, lost
+from ivsid.diagnosis.null.any_curve import is_declared, lost
 from ivsid.diagnosis.null.beside import Beside
 from ivsid.diagnosis.null.boxed import Boxed
 from ivsid.diagnosis.null.directions import Directions
 from ivsid.diagnosis.null.frequencies import Frequencies
 from ivsid.diagnosis.null.gradual import BETTER, NO_FORCES, beside_curves, gradual, most_beyond
-from ivsid.diagnosis.null.inside_cells import CLEAR, CLOSER, FINER, FINEST, SETTLED, inside_cells
+from ivsid.diagnosis.null.inside_cells import CLEAR, Cells, inside_cells, settled
 from ivsid.diagnosis.null.modulated import modulated_columns
 from ivsid.diagnosis.null.own_past import FORETOLD, OwnPast
 from ivsid.diagnosis.null.reached import Reached
@@ -41,7 +41,7 @@ DOUBTED: Final = 25.0
 
 
 @dataclass(frozen=True)
-class Round:
+class Round(Cells):
     """What all causes of one screening share.
 
     Attributes:
@@ -64,24 +64,9 @@ class Round:
     _beside: dict[tuple[int, int], Directions] = field(default_factory=dict, repr=False, compare=False)
 
     @cached_property
-    def curve(self) -> AnyCurve:
-        """The base beside any thrust curve."""
-        return AnyCurve(self.fit)
-
-    @cached_property
     def directions(self) -> Directions:
         """Directions of causes beside any thrust curve."""
         return Directions(self.curve)
-
-    @cached_property
-    def closer(self) -> AnyCurve:
-        """The base beside curves that jump in twice as many cells."""
-        return AnyCurve(self.fit, finer=CLOSER)
-
-    @cached_property
-    def finest(self) -> AnyCurve:
-        """The base beside curves that jump in most cells."""
-        return AnyCurve(self.fit, finer=FINEST)
 
     @cached_property
     def closer_directions(self) -> Directions:
@@ -96,7 +81,7 @@ class Round:
     @cached_property
     def finer_directions(self) -> Directions:
         """The same with more cells."""
-        return Directions(AnyCurve(self.fit, finer=FINER))
+        return Directions(self.finer)
 
     @cached_property
     def frequencies(self) -> Frequencies:
@@ -140,7 +125,7 @@ class Round:
         """
         if self._kept > self.chance or self._allows(self.reached):
             return False
-        return Reached(self.closer).leaving < SETTLED * self.reached.leaving
+        return not settled(self.reached.leaving, Reached(self.closer).leaving)
 
     @cached_property
     def _settled(self) -> Reached:
@@ -162,7 +147,7 @@ class Round:
         if asked not in self._left:
             inside = inside_cells(self.fit, s)
             left = (self.finer_directions if inside else self.directions).left(s)
-            if inside and DOUBTED <= left < SETTLED * self.directions.left(s):
+            if inside and left >= DOUBTED and not settled(self.directions.left(s), left):
                 # Errors that jump inside these cells, too, may make what is left.
                 left = min(left, self.finest_directions.left(s))
             self._left[asked] = left

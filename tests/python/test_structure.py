@@ -21,10 +21,11 @@ from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.null.tail import NullTest
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.selection import confirmation
-from ivsid.diagnosis.selection.adequacy import RISK, Adequacy, adequacy
+from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.confirmation import CLOSE, StructureTest, confirmed_structure
 from ivsid.diagnosis.selection.dictionary import regressors
 from ivsid.diagnosis.selection.hulls import Asked
+from ivsid.diagnosis.selection.structure import RISK, Adequacy
 from ivsid.diagnosis.selection.verdict import Left
 from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.effects import CHANNELS, EFFECTS, Given
@@ -314,6 +315,9 @@ def test_the_other_log_is_asked_where_a_thrust_error_is_far_outside(far, leaving
     monkeypatch.setattr(search, "adequacy", lambda q: there if q == "other fit" else here)
     found = search._judged(fit, "test.csv", "other log", None)
     assert bool(asked) is (far > 2.0) and found.elsewhere == verdict and found.quiet is not bool(verdict)
+    monkeypatch.setattr(search, "motion_of", lambda *_: ())
+    motion = search._moved(lambda: found, None, (None, None))
+    assert (motion is None) is not bool(verdict)
     if verdict:
         one = unknown(found, ())
         assert "leaves on test.csv follow" in one.description and "fitted at 4.1 times" in one.description

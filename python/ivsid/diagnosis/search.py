@@ -22,9 +22,10 @@ from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.levels import NAMES
 from ivsid.diagnosis.null.thresholds import Calibration, calibrate
 from ivsid.diagnosis.null.visibility import Visibility, visibility
-from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
+from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.select import Selection, in_place, select
 from ivsid.diagnosis.selection.shared_structure import with_other
+from ivsid.diagnosis.selection.structure import Adequacy
 from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.diagnosis.statements.findings import nameless
 from ivsid.diagnosis.statements.motion import motion_of
@@ -168,7 +169,7 @@ def _asked_of(
         Apart(partial(calibrate, fit, tested, NAMES, seed), begun=False),
         Apart(partial(unchanged, others[0], fit, seed), begun=False),
         Apart(judged, begun=False),
-        Apart(lambda: None if judged().quiet else motion_of(proof, *logs), begun=False, late=True),
+        Apart(partial(_moved, judged, proof, logs), begun=False, late=True),
     )
     in_turn(*tasks)
     # The limits are asked for last and by nothing else: they fill what the other processes leave of the processors from now on.
@@ -201,6 +202,11 @@ def named(
     progress("looking again, without causes whose numbers may all be none")
     again = select(fit, scored, replace(test, barred=barred), other, progress, whole=True)
     return in_place(selection, again, frozenset(barred))
+
+
+def _moved(judged: Callable[[], Adequacy], proof: Proof, logs: tuple[Log, Log]) -> tuple[TubeCheck, ...] | None:
+    """The motion that the model as it was allows, or None: an adequate model is asked by its rows alone."""
+    return None if judged().quiet else motion_of(proof, *logs)
 
 
 def _judged(fit: Fit, name: str, other: Channels, run: Channels | None) -> Adequacy:

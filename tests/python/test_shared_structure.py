@@ -10,8 +10,8 @@ from tests.exam.seal import seal
 
 from ivsid import diagnose
 from ivsid.diagnosis.selection import shared_structure
-from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.selection.shared_structure import together, with_other
+from ivsid.diagnosis.selection.structure import Adequacy
 from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.errors import IvsidError
 from ivsid.log import read_log
@@ -119,7 +119,8 @@ def test_logs_of_which_one_is_in_doubt_are_asked_together(monkeypatch, chances, 
     """Not where neither shows anything, and not where the first has structure by itself."""
     before = adequacy(*chances)
     found, counts = asked(monkeypatch, before, adequacy(there), carried=carried)
-    assert (found is not before) is shown and counts == {"own": 0, "both": int(shown)}
+    assert (found is not before) is shown and counts["both"] == int(shown)
+    assert counts["own"] == int(not carried)
     if shown:
         assert before.quiet and not found.quiet and found.shared == "test.csv" and not found.only
         assert found.strongest[0] == ("sin 2 psi", "yaw", 54.9) and found.probability == 2e-10
@@ -144,6 +145,14 @@ def test_structure_that_the_other_log_alone_shows_is_structure(monkeypatch):
         "leaves on test.csv, fitted to it," in said.description and "3.1 s swinging memory in sway" in said.description
     )
     assert "a diagnosis of test.csv as the first log asks the whole catalogue" in said.description
+
+
+@pytest.mark.parametrize(("own", "shown"), [(1e-90, True), (3e-5, False)])
+def test_a_log_of_another_clock_is_asked_by_its_own_noise(monkeypatch, own, shown):
+    """The noise of the first log says nothing of rows of another length."""
+    there = rare(own, 418.0) if shown else adequacy(own)
+    found, counts = asked(monkeypatch, adequacy(0.9), own=there, carried=False)
+    assert (found.only == "test.csv") is shown and not found.shared and counts["own"] >= 1 and not counts["both"]
 
 
 @pytest.mark.parametrize(("carried", "own"), [(1e-40, 0.02), (1e-40, 3e-5), (2e-5, 1e-40)])

@@ -25,10 +25,11 @@ from ivsid.diagnosis.estimation.other_log import carried_to
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.null.frequencies import excess, spectrum
 from ivsid.diagnosis.null.leaving import Others
-from ivsid.diagnosis.selection.adequacy import ALONE, Adequacy, adequacy
+from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.dictionary import in_words, regressors
 from ivsid.diagnosis.selection.in_their_place import same_forces
 from ivsid.diagnosis.selection.standing import Standing
+from ivsid.diagnosis.selection.structure import ALONE, Adequacy
 from ivsid.errors import IvsidError
 
 # Probability of the best single fall on either log, over the whole dictionary, from which on both logs are asked together.
@@ -53,18 +54,19 @@ def with_other(before: Adequacy, fit: Fit, other: Channels, name: str, again: Ca
         return before
     # A log on which the numbers cannot be fitted says nothing of the structure.
     with suppress(np.linalg.LinAlgError, IvsidError):
-        if (carried := carried_to(fit, other)) is not None:
-            there = survey(*carried, fit.fixed, frozenset())
-            beside = adequacy(there)
-            # A sea of another day has noise of its own, by which the structure has to stand out as well.
-            if beside.alone and (own := again()).alone:
-                return replace(before, strongest=own.strongest, chance_of_one=own.chance_of_one, alone=True, only=name)
-            doubted = min(before.chance_of_one, beside.chance_of_one) <= DOUBTED
-            if doubted and (found := _lasting(fit, there)) is not None:
-                force, fall, chance = found
-                function, channel = force.rsplit(" in ", 1)
-                strongest = ((function, channel, fall), *before.strongest[:2])
-                return replace(before, strongest=strongest, chance_of_one=chance, alone=True, shared=name)
+        carried = carried_to(fit, other)
+        there = None if carried is None else survey(*carried, fit.fixed, frozenset())
+        # A log of another clock or other channels has a noise of its own alone.
+        beside = again() if there is None else adequacy(there)
+        # A sea of another day has noise of its own, by which the structure has to stand out as well.
+        if beside.alone and (own := again()).alone:
+            return replace(before, strongest=own.strongest, chance_of_one=own.chance_of_one, alone=True, only=name)
+        doubted = min(before.chance_of_one, beside.chance_of_one) <= DOUBTED
+        if doubted and there is not None and (found := _lasting(fit, there)) is not None:
+            force, fall, chance = found
+            function, channel = force.rsplit(" in ", 1)
+            strongest = ((function, channel, fall), *before.strongest[:2])
+            return replace(before, strongest=strongest, chance_of_one=chance, alone=True, shared=name)
     return before
 
 

@@ -187,7 +187,7 @@ SELECTION = (
     ),
     python(
         "readings that may part by anything",
-        "diagnosis/selection/adequacy.py",
+        "diagnosis/selection/structure.py",
         "PARTED: Final = 2.0",
         "PARTED: Final = 1e9",
         "test_parting.py",
@@ -208,7 +208,7 @@ SELECTION = (
     ),
     python(
         "readings that leave their bounds",
-        "diagnosis/selection/adequacy.py",
+        "diagnosis/selection/structure.py",
         "return self.read >= self.risk",
         "return True",
         "test_declared_readings.py",

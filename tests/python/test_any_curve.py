@@ -26,7 +26,8 @@ from ivsid.diagnosis.null.reached import Reached
 from ivsid.diagnosis.null.screening import ANY_CURVE, CLOSER_CURVE, Case
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.plant.thrust_errors import bound_of
-from ivsid.diagnosis.selection.adequacy import RISK, adequacy
+from ivsid.diagnosis.selection.adequacy import adequacy
+from ivsid.diagnosis.selection.structure import RISK
 from test_thrust_errors import calm, log_of
 
 

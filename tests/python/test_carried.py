@@ -9,7 +9,7 @@ from tests.exam.cases import case
 from diagnosis_logs import logs_of, logs_of_case, train_of, vehicle_of, with_a_drag
 from ivsid import diagnose
 from ivsid.diagnosis import extended_vehicle, lost, stages
-from ivsid.diagnosis.selection.adequacy import Adequacy
+from ivsid.diagnosis.selection.structure import Adequacy
 from ivsid.diagnosis.selection.verdict import OF_FORCES, Left
 from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.extended import extended_text

@@ -13,7 +13,7 @@ from ivsid.diagnosis.candidates.intervals import intervals
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.selection.adequacy import Adequacy
+from ivsid.diagnosis.selection.structure import Adequacy
 from ivsid.diagnosis.statements.claims import claims, possible
 from ivsid.diagnosis.statements.extended import extended_text, stated
 from ivsid.diagnosis.statements.power import largest_drag

@@ -11,7 +11,7 @@ from ivsid import diagnose
 from ivsid.diagnosis.candidates.intervals import Bound
 from ivsid.diagnosis.estimation.kinds.step import StepCandidate
 from ivsid.diagnosis.null.rule import first_refusal
-from ivsid.diagnosis.selection.adequacy import Adequacy
+from ivsid.diagnosis.selection.structure import Adequacy
 from ivsid.diagnosis.statements import findings
 from ivsid.diagnosis.statements.findings import Finding, findings_of
 from ivsid.diagnosis.statements.rules import BOUNDS_KEPT, EXCLUDES, HELD, Held

@@ -14,8 +14,9 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null import curve_errors, leaving
 from ivsid.diagnosis.null.boxed import readings
 from ivsid.diagnosis.selection import adequacy as selection
-from ivsid.diagnosis.selection.adequacy import RISK, adequacy
+from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.hulls import BEYOND
+from ivsid.diagnosis.selection.structure import RISK
 from ivsid.vehicle import parse_vehicle
 
 # A sound ROV of 300 s on a straight course, with a force of a few frequencies inside its bound, whose autopilot answers the heading.

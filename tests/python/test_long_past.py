@@ -12,7 +12,7 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null import leaving
 from ivsid.diagnosis.null.long_past import LongPast
 from ivsid.diagnosis.null.own_past import OwnPast
-from ivsid.diagnosis.selection.adequacy import RISK
+from ivsid.diagnosis.selection.structure import RISK
 from ivsid.vehicle import parse_vehicle
 from test_own_past import linear, shares_kept, with_cause, with_errors
 

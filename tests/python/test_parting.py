@@ -14,7 +14,8 @@ from ivsid.diagnosis.estimation.noise import declared_ambient
 from ivsid.diagnosis.estimation.parting import HEADING, PLACE, parted
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.innovations import Predictor
-from ivsid.diagnosis.selection.adequacy import PARTED, adequacy
+from ivsid.diagnosis.selection.adequacy import adequacy
+from ivsid.diagnosis.selection.structure import PARTED
 from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.effects import terms_of
 from ivsid.vehicle import parse_vehicle

@@ -13,7 +13,8 @@ from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null import rhythm as module
 from ivsid.diagnosis.null.rhythm import rhythm
 from ivsid.diagnosis.null.rule import first_refusal
-from ivsid.diagnosis.selection.adequacy import REPEATS, adequacy
+from ivsid.diagnosis.selection.adequacy import adequacy
+from ivsid.diagnosis.selection.structure import REPEATS
 from ivsid.diagnosis.selection.verdict import OF_THE_WAY, VERDICT, Left
 from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.vehicle import parse_vehicle

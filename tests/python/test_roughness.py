@@ -16,7 +16,8 @@ from ivsid.diagnosis.estimation import roughness
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.estimation.noise import declared_ambient, lightest
 from ivsid.diagnosis.estimation.roughness import APART
-from ivsid.diagnosis.selection.adequacy import ROUGHER, adequacy
+from ivsid.diagnosis.selection.adequacy import adequacy
+from ivsid.diagnosis.selection.structure import ROUGHER
 from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.vehicle import parse_vehicle
 

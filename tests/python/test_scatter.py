@@ -9,7 +9,8 @@ from diagnosis_logs import train_of, vehicle_of
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.selection.adequacy import SCATTERED, adequacy
+from ivsid.diagnosis.selection.adequacy import adequacy
+from ivsid.diagnosis.selection.structure import SCATTERED
 from ivsid.diagnosis.statements.unknown import unknown
 from ivsid.vehicle import parse_vehicle
 

@@ -14,7 +14,7 @@ from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.null.visibility import Visibility
 from ivsid.diagnosis.search import fitted, named, searched
-from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
+from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.confirmation import (
     NULL_LOGS,
     StructureConfirmation,
@@ -26,6 +26,7 @@ from ivsid.diagnosis.selection.parallel import one_blas_thread
 from ivsid.diagnosis.selection.rivals import Found
 from ivsid.diagnosis.selection.rules import full_refused
 from ivsid.diagnosis.selection.select import Selection
+from ivsid.diagnosis.selection.structure import Adequacy
 from ivsid.diagnosis.selection.verdict import Left
 from ivsid.diagnosis.statements.carried import failure, in_their_place
 from ivsid.diagnosis.statements.claims import claims

@@ -25,8 +25,9 @@ from ivsid.diagnosis.null.family_wise import Threshold
 from ivsid.diagnosis.null.levels import STRUCTURE
 from ivsid.diagnosis.null.looks import Looks
 from ivsid.diagnosis.null.tail import NullTest
-from ivsid.diagnosis.selection.adequacy import RISK, adequacy
+from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.rivals import Found
+from ivsid.diagnosis.selection.structure import RISK
 from ivsid.diagnosis.selection.verdict import STRUCTURE_RULE, VERDICT, Left
 
 # Null logs at most, by default: two of them exceed a threshold of 0.5 %.

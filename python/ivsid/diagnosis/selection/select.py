@@ -27,7 +27,7 @@ from ivsid.diagnosis.null.slewed import lags, slewed
 from ivsid.diagnosis.null.slow_force import slow_force
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.prediction.filtered_states import FilteredStates
-from ivsid.diagnosis.selection.adequacy import Adequacy, adequacy
+from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.diagnosis.selection.admission import admit
 from ivsid.diagnosis.selection.both_logs import on_other_log
 from ivsid.diagnosis.selection.dictionary import regressors
@@ -45,6 +45,7 @@ from ivsid.diagnosis.selection.rules import (
     full_refused,
     refused_by,
 )
+from ivsid.diagnosis.selection.structure import Adequacy
 from ivsid.intervals.apart import Apart
 
 # Reviews after a cause is added, and causes that may fail their full fit.

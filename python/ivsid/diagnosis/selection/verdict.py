@@ -11,7 +11,7 @@ from typing import Final
 from ivsid.diagnosis.null.blows import BLOWS
 from ivsid.diagnosis.null.levels import STRUCTURE
 from ivsid.diagnosis.null.rule import Rule, first_refusal
-from ivsid.diagnosis.selection.adequacy import PARTED, REPEATS, RISK, ROUGHER, SCATTERED, Adequacy
+from ivsid.diagnosis.selection.structure import PARTED, REPEATS, RISK, ROUGHER, SCATTERED, Adequacy
 
 # Share of the excess of the plain model that the right causes may leave. States that the ambient force carries over half a step have less excess in the
 # plain model: on a full simulator's log in a current 0.7 of what it was, of which its six right causes leave 0.0204, and left 0.0148;

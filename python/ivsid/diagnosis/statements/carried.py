@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from ivsid.diagnosis.null.rule import Refusal, Rule, first_refusal
-from ivsid.diagnosis.selection.adequacy import Adequacy
+from ivsid.diagnosis.selection.structure import Adequacy
 from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.unknown import unknown

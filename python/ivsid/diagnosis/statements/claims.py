@@ -13,7 +13,7 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.projection import Projection
 from ivsid.diagnosis.plant.usual_hull import hull_limits
-from ivsid.diagnosis.selection.adequacy import Adequacy
+from ivsid.diagnosis.selection.structure import Adequacy
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.power import largest_drag
 from ivsid.effects import EFFECTS, Parameter, Term

@@ -12,9 +12,9 @@ from ivsid.diagnosis.null.leaving import Others
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.null.visibility import Visibility
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.selection.adequacy import Adequacy
 from ivsid.diagnosis.selection.rivals import swapped
 from ivsid.diagnosis.selection.select import Selection
+from ivsid.diagnosis.selection.structure import Adequacy
 from ivsid.diagnosis.statements.claims import Claim
 from ivsid.diagnosis.statements.comparison import Gain
 from ivsid.diagnosis.statements.extended import extended_text

@@ -22,9 +22,9 @@ from ivsid.diagnosis.null.modulated import EVERY, FALL
 from ivsid.diagnosis.null.rule import Refusal, first_refusal
 from ivsid.diagnosis.null.screening import FAINT
 from ivsid.diagnosis.plant.physics import Hypothesis
-from ivsid.diagnosis.selection.adequacy import Adequacy, energy_of
 from ivsid.diagnosis.selection.rivals import Found, swapped
 from ivsid.diagnosis.selection.select import Selection
+from ivsid.diagnosis.selection.structure import Adequacy, energy_of
 from ivsid.diagnosis.statements.probability import COUNTS, Alike, alike
 from ivsid.diagnosis.statements.residuals import FindingEvidence
 from ivsid.diagnosis.statements.rules import ALTERNATIVES, EXCLUDES, HELD, UNNAMED, Held

@@ -10,8 +10,8 @@ import numpy as np
 
 from ivsid.diagnosis.null.blows import BLOWS
 from ivsid.diagnosis.null.modulated import FALL
-from ivsid.diagnosis.selection.adequacy import PARTED, REPEATS, ROUGHER, SCATTERED, Adequacy
 from ivsid.diagnosis.selection.dictionary import FELT, WRONG
+from ivsid.diagnosis.selection.structure import PARTED, REPEATS, ROUGHER, SCATTERED, Adequacy
 from ivsid.diagnosis.statements.findings import Finding
 from ivsid.diagnosis.statements.residuals import FindingEvidence
 from ivsid.diagnosis.statements.sensor_words import APART, READ, WORDS

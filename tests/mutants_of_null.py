@@ -5,6 +5,13 @@ from tests.mutant import STATED, python
 NULL = (
     python("level of the names 10 %", "diagnosis/null/levels.py", "NAMES: Final = 0.005", "NAMES: Final = 0.10"),
     python(
+        "a cause of errors inside cells that is found first",
+        "diagnosis/null/round.py",
+        "return any(max(self._left_settled(s), self._boxed_settled(s)) >= FORETOLD for s in shown)",
+        "return any(max(self.left(s), s.boxed) >= FORETOLD for s in shown)",
+        "test_settled_cells.py",
+    ),
+    python(
         "errors inside cells that have not settled, of causes like them",
         "diagnosis/null/round.py",
         "if inside and left >= DOUBTED",
@@ -21,8 +28,8 @@ NULL = (
     python(
         "errors that leave their bounds beside the usual cells alone",
         "diagnosis/null/round.py",
-        "reached = self._settled if closer else self.reached",
-        "reached = self.reached",
+        "(self._settled, self._boxed_settled(s)) if closer",
+        "(self.reached, s.boxed) if closer",
         "test_settled_cells.py",
     ),
     python(
@@ -66,7 +73,7 @@ NULL = (
     python(
         "strong causes that thrust errors may make",
         "diagnosis/null/round.py",
-        "return any(max(self.left(s), s.boxed) >= FORETOLD for s in shown)",
+        "return any(max(self._left_settled(s), self._boxed_settled(s)) >= FORETOLD for s in shown)",
         "return any(True for s in shown)",
         "test_slow_force.py",
     ),

@@ -1,5 +1,6 @@
 """Thrust errors that jump inside the usual cells of demand, in a calm sea where each jump stands out: as many cells as the log asks for."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -38,8 +39,9 @@ def test_errors_that_jump_inside_cells_are_no_cause_however_far_they_stand_out(l
     cap, failure = levels.by["thruster.saturation"], levels.by["thruster.failure"]
     assert cap.fall > 400.0 and r.directions.left(cap) > 400.0 and r.finer_directions.left(cap) > 25.0
     assert r.left(cap) < 1.0
-    # Evidence of errors that leave their bounds beside the usual cells is none beside more of them.
-    assert r.in_box(cap).boxed > 500.0
+    # Evidence of errors that leave their bounds beside the usual cells is none beside more of them, and does
+    # not keep other causes from standing beside slow forces.
+    assert r.in_box(cap).boxed > 1000.0 and not replace(r, scored=[r.in_box(cap)]).strong
     for cause in (cap, failure):
         assert CLOSER_CURVE.refuses(Case(r, r.in_box(cause))) is not None
 
@@ -57,4 +59,4 @@ def test_a_cap_has_no_more_to_fear_of_more_cells(tmp_path):
     cap = there.by["thruster.saturation"]
     assert not there.round.unsettled
     assert there.round.finest_directions.left(cap) > 0.9 * there.round.directions.left(cap) > 1000.0
-    assert CLOSER_CURVE.refuses(Case(there.round, there.round.in_box(cap))) is None
+    assert CLOSER_CURVE.refuses(Case(there.round, there.round.in_box(cap))) is None and there.round.strong

@@ -105,7 +105,7 @@ class Round(Cells):
         One that thrust errors inside their bounds may make is never found.
         """
         shown = (s for s in self.scored if s.physical and s.shown >= FORETOLD)
-        return any(max(self.left(s), s.boxed) >= FORETOLD for s in shown)
+        return any(max(self._left_settled(s), self._boxed_settled(s)) >= FORETOLD for s in shown)
 
     @cached_property
     def boxed(self) -> Boxed:
@@ -226,8 +226,7 @@ class Round(Cells):
             s: a family.
             closer: whether errors may jump in twice as many cells, or in as many as the log asks for.
         """
-        reached = self._settled if closer else self.reached
-        boxed = s.boxed if reached is self.reached or is_declared(self.fit, s) else self._boxed(s, reached)
+        reached, boxed = (self._settled, self._boxed_settled(s)) if closer else (self.reached, s.boxed)
         left = max(min(self.closer_directions.left(s) if closer else self.left(s), s.fall), boxed)
         if self._kept <= self.chance:
             left = max(left, min(reached.of(s), s.fall))
@@ -244,6 +243,14 @@ class Round(Cells):
             return replace(s, boxed=self.left(s))
         # Values at the knots have room for overshoots, so that they may keep their bounds where no curve does.
         return replace(s, boxed=self._boxed(s, self.reached)) if s.candidate.effect.acts.at_thruster else s
+
+    def _left_settled(self, s: Scored) -> float:
+        """Fall of a family that no declared error inside its bound can make, in as many cells as the log asks for."""
+        return self.finest_directions.left(s) if self.unsettled else self.left(s)
+
+    def _boxed_settled(self, s: Scored) -> float:
+        """Fall of a family beside errors that keep their bounds, in as many cells as the log asks for."""
+        return self._boxed(s, self._settled) if self.unsettled and not is_declared(self.fit, s) else s.boxed
 
     def _boxed(self, s: Scored, reached: Reached) -> float:
         """Fall of a cause at a thruster beside errors that keep their bounds; 0 where the log allows them, and of other causes."""

@@ -11,7 +11,7 @@ from ivsid import diagnose
 from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.null import curve_errors, leaving
+from ivsid.diagnosis.null import curve_errors, inside_cells, leaving
 from ivsid.diagnosis.null.boxed import readings
 from ivsid.diagnosis.selection import adequacy as selection
 from ivsid.diagnosis.selection.adequacy import adequacy
@@ -86,7 +86,7 @@ def test_errors_that_jump_every_fortieth_of_the_range_keep_their_bounds(seed, mo
     vehicle, train, _ = logs(seed, what="none", thrust="levels", share=1.0, sea="markov", sensors="white")
     fit = fitted(vehicle, train)
     assert adequacy(fit).bounded
-    monkeypatch.setattr(leaving, "CLOSER", 1)
+    monkeypatch.setattr(inside_cells, "CLOSER", 1)
     assert not adequacy(fit).bounded
 
 

@@ -1,7 +1,7 @@
 """Named faults, each put into a copy of the tree, and the tests that have to fail there: python -m tests.mutants [NAME ...].
 
-A mutant is one edit of one line. It is killed when one of its tests fails, and survives when they pass; tests that fail without any edit kill nothing,
-so each set of tests runs once on the plain copy. ``--rust`` adds those of the core, each of which is compiled. The run fails if one survives.
+A mutant is one edit of one line. It is killed when one of its tests fails, and survives when they pass, those of the gate and then those of the night;
+tests that fail without any edit kill nothing, so each set of tests runs once on the plain copy. ``--rust`` adds those of the core, each of which is compiled. The run fails if one survives.
 """
 
 from __future__ import annotations
@@ -25,6 +25,10 @@ from tests.mutants_of_selection import SELECTION
 ROOT = Path(__file__).parents[1]
 # Seconds in which the tests of a mutant end; one that never ends is noticed as well.
 PATIENCE = 900
+# Tests of the gate, and those that run in make nightly alone: whole diagnoses, which the second look alone pays for.
+GATE, NIGHT = "not nightly", "nightly"
+# What pytest says where a file has no test of the kind.
+NONE = 5
 MUTANTS = (*RESULTS, *ESTIMATION, *DIAGNOSIS, *NULL, *SELECTION, *PROOFS)
 
 
@@ -40,8 +44,8 @@ def copied(folder: Path) -> Path:
     return folder
 
 
-def failed(tree: Path, mutant: Mutant) -> bool:
-    """Whether one of the mutant's tests fails in a tree."""
+def failed(tree: Path, mutant: Mutant, kind: str) -> bool:
+    """Whether one of the mutant's tests of a kind fails in a tree."""
     if mutant.rust:
         words = ["cargo", "test", "-q", "--profile", "gate", "--locked", "-p", "interval-core"]
         words += [w for t in mutant.tests for w in ("--test", t)]
@@ -49,7 +53,7 @@ def failed(tree: Path, mutant: Mutant) -> bool:
         environment = {**os.environ, "CARGO_TARGET_DIR": target, "PROPTEST_RNG_SEED": "1"}
     else:
         there = [f"tests/python/{t}" for t in mutant.tests]
-        words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-m", "not nightly", *there]
+        words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-m", kind, *there]
         paths = os.pathsep.join(str(tree / p) for p in ("python", "", "tests/python"))
         environment = {**os.environ, "PYTHONPATH": paths, "PYTHONDONTWRITEBYTECODE": "1"}
     try:
@@ -58,13 +62,13 @@ def failed(tree: Path, mutant: Mutant) -> bool:
         return True
     if mutant.rust and b"could not compile" in done.stderr:
         raise SystemExit(f"{mutant.name} does not compile:\n{done.stderr.decode()[-2000:]}")
-    if not mutant.rust and done.returncode not in (0, 1, 2):
+    if not mutant.rust and done.returncode not in (0, 1, 2, NONE):
         raise SystemExit(f"{mutant.name}: pytest ended with {done.returncode}\n{done.stdout.decode()[-2000:]}")
-    return done.returncode != 0
+    return done.returncode not in ((0,) if mutant.rust else (0, NONE))
 
 
-def survives(tree: Path, mutant: Mutant) -> bool:
-    """Whether the tests pass with the fault in the tree, which is left as it was."""
+def survives(tree: Path, mutant: Mutant, kind: str) -> bool:
+    """Whether the tests of a kind pass with the fault in the tree, which is left as it was."""
     path = tree / mutant.file
     text = path.read_text(encoding="utf-8")
     if text.count(mutant.old) != mutant.count:
@@ -73,7 +77,7 @@ def survives(tree: Path, mutant: Mutant) -> bool:
         )
     try:
         path.write_text(text.replace(mutant.old, mutant.new), encoding="utf-8")
-        return not failed(tree, mutant)
+        return not failed(tree, mutant, kind)
     finally:
         path.write_text(text, encoding="utf-8")
 
@@ -89,14 +93,16 @@ def main() -> int:
     alive = []
     with tempfile.TemporaryDirectory() as folder:
         tree = copied(Path(folder))
-        sound: set[tuple[str, ...]] = set()
+        sound: set[tuple[tuple[str, ...], str]] = set()
         for mutant in chosen:
-            if mutant.tests not in sound and failed(tree, mutant):
-                sys.stderr.write(f"{', '.join(mutant.tests)} fails without a fault\n")
-                return 2
-            sound.add(mutant.tests)
-            begin = time.monotonic()
-            left = survives(tree, mutant)
+            begin, left = time.monotonic(), True
+            for kind in (GATE,) if mutant.rust else (GATE, NIGHT):
+                if (mutant.tests, kind) not in sound and failed(tree, mutant, kind):
+                    sys.stderr.write(f"{', '.join(mutant.tests)} ({kind}) fails without a fault\n")
+                    return 2
+                sound.add((mutant.tests, kind))
+                if not (left := survives(tree, mutant, kind)):
+                    break
             alive += [mutant.name] * left
             sys.stdout.write(f"{'SURVIVES' if left else 'killed'}: {mutant.name} ({time.monotonic() - begin:.0f} s)\n")
             sys.stdout.flush()

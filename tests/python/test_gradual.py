@@ -89,12 +89,16 @@ def test_a_failure_that_errors_of_thrusts_make_look_gradual_starts_at_a_time():
     assert [f.effect for f in result.findings] == ["drag.surge.sideslip", "thruster.failure"]
 
 
+# Nightly: a whole diagnosis; the gate has the order of both forces by their falls.
+@pytest.mark.nightly
 def test_a_failure_that_may_have_come_gradually_says_so():
     """A start at a time explains 203 in chi-squared and a gradual loss 208, which is no reason against the name."""
     (f,) = diagnose(*drawn(264115, what="one", effect="thruster.failure"), null_logs=0).findings
     assert (f.effect, f.description) == ("thruster.failure", LINGERS)
 
 
+# Nightly: a whole diagnosis of three causes; the gate holds each gradual force against least squares.
+@pytest.mark.nightly
 def test_a_cause_keeps_its_name_by_what_errors_may_not_do_beside_the_later_ones():
     """Beside a motor that grows warm an asymmetry had errors leave their bounds by 697 in chi-squared, and none once the motor failed.
 

@@ -25,9 +25,9 @@ def found(seed, key, number):
     ("seed", "key", "number"),
     [
         (270003, "thruster.saturation.d", 827.6),
-        (270005, "thruster.curve.starboard", -0.3),
-        (300402, "thruster.lag.port", 0.28),
-        # Nightly: the gate has a cause of either kind of column.
+        # Nightly: the gate has a cap, and asks for causes of a thruster whose curve leaves its bounds below.
+        pytest.param(270005, "thruster.curve.starboard", -0.3, marks=pytest.mark.nightly),
+        pytest.param(300402, "thruster.lag.port", 0.28, marks=pytest.mark.nightly),
         pytest.param(270001, "thruster.saturation.b", 15.52, marks=pytest.mark.nightly),
         pytest.param(270002, "thruster.deadband.port", 24.0, marks=pytest.mark.nightly),
         pytest.param(270005, "thruster.deadband.starboard", 24.0, marks=pytest.mark.nightly),

@@ -91,7 +91,7 @@ def test_no_room_holds_masses_of_no_hull_or_drags_that_take_more_than_drives():
         next(c for c in claims(fit, (), (), unknown=structure(1e8)) if c.parameter == i) for i in vehicle.model.values
     )
     (term,) = (t for t in fit.h.terms if t.id == drag.parameter)
-    assert drag.beside.lower == 0.0 and drag.beside.upper == pytest.approx(largest_drag(fit, term, 1.0))
+    assert drag.beside.lower == 0.0 and drag.beside.upper == pytest.approx(largest_drag(fit, term, {}))
     assert 28.0 < drag.beside.upper < 500.0
     assert 0.0 < mass.beside.lower < 50.0 and 100.0 < mass.beside.upper < 250.0
 

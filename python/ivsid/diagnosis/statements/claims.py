@@ -107,7 +107,7 @@ def _beside(unknown: Adequacy | None, bound: Bound, fit: Fit, term: Term) -> Bou
     room = float(np.sqrt(unknown.unexplained)) * sigma
     # The room is for numbers that hulls have, and above a drag for a force that drives along the motion.
     least, most = hull_limits(fit.noise.predictor.vehicle, [term]).get(term.id, (-np.inf, np.inf))
-    most = min(most, largest_drag(fit, term, max([1.0, *(size for _, size in unknown.outside)])))
+    most = min(most, largest_drag(fit, term, dict(unknown.outside)))
     lower, upper = possible(
         min(max(bound.lower - room, least), bound.lower),
         max(min(bound.upper + room, most), bound.upper),

@@ -28,13 +28,13 @@ Array = NDArray[np.float64]
 SIGMAS: Final = 3.3
 
 
-def largest_drag(fit: Fit, term: Term, off: float) -> float:
+def largest_drag(fit: Fit, term: Term, off: Mapping[str, float]) -> float:
     """The largest value of a drag, in its unit; infinite for a term that does not take power at every sample.
 
     Args:
         fit: of the last model.
         term: with the drag as its parameter.
-        off: largest error of a thrust curve, in its bounds.
+        off: largest error of each thrust curve that leaves its bound, in its bounds, by the words for the thrust.
     """
     predictor, h = fit.noise.predictor, fit.h
     vehicle, log = predictor.vehicle, predictor.log
@@ -62,7 +62,7 @@ def largest_drag(fit: Fit, term: Term, off: float) -> float:
         speed = np.abs(at[0] * along[k] + at[1] * across[k]) if t.rudder is None else np.hypot(*at)
         # Samples come before steps.
         bound = np.tile(bound_of(t, predictor.propulsion.curves[k], predictor.propulsion.demands[k]), 2)
-        work += off * float(bound @ speed)
+        work += off.get(t.words, 1.0) * float(bound @ speed)
     # A wind, a pull or a lift that was fitted may drive as well; what they take elsewhere is given to the drag.
     work += sum(max(-h.values[t.id] * float(power(t.columns(here)).sum()), 0.0) for t in h.terms if t.id != term.id)
     work += sum(max(float(power(f.function(here, numbers)).sum()), 0.0) for f, numbers in acting(h.given, Force))

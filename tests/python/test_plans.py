@@ -17,7 +17,7 @@ from ivsid.log import Log
 from ivsid.plans.fence import at_rest, members, proved
 from ivsid.plans.known import known_rows
 from ivsid.plans.narrowing import Narrowing, relative_width, widest
-from ivsid.plans.sailed import estimate_of, sail, scenario_of, usual
+from ivsid.plans.sailed import estimate_of, sail, scenario_of, truth_of, usual
 from ivsid.plans.search import Setting
 from ivsid.plans.shape import Shape
 from ivsid.programme.scenario import parse_scenario
@@ -223,12 +223,13 @@ def test_causes_are_told_apart_better_than_by_the_library(fit, monkeypatch):
 # Nightly: two whole searches.
 @pytest.mark.nightly
 def test_a_minute_narrows_more_than_the_library_and_as_predicted(fit, monkeypatch):
-    """Twins that the planner did not see: other parameters, thrusters, seas and noise."""
+    """Twins that the planner did not see: the vehicle of the log itself, whose numbers the fit does not know, with other seas and noise."""
     monkeypatch.setattr(search, "POPULATION", 24)
     made = plan(fit, fence=50.0)
     assert made.gain(made.best_rival[1]) >= 1.5
     purpose = Narrowing(fit)
-    twins = members(fit, made.scenario, fit.estimate)
-    reached = [purpose.value(t) for t in twins]
-    assert float(np.median(reached)) == pytest.approx(made.predicted.median, rel=0.2)
-    assert all(t.reach <= 50.0 for t in twins)
+    scenario = made.scenario.model_copy(update={"truth": truth_of(fit, TRUTH)})
+    reached = [purpose.value(sail(fit.vehicle, scenario, 2000 + k)) for k in range(9)]
+    assert float(np.median(reached)) == pytest.approx(made.predicted.median, rel=0.1)
+    # Vehicles at the ends of the fit's intervals contradict its own log, so that they tell of the fence alone.
+    assert all(t.reach <= 50.0 for t in members(fit, made.scenario, fit.estimate))

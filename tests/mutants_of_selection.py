@@ -27,8 +27,15 @@ SELECTION = (
     python(
         "fits that start at limits of hulls alone",
         "diagnosis/selection/rivals.py",
-        "    if not at_limits(fit):\n",
-        "    if True:\n",
+        "    if at_limits(fit):\n",
+        "    if False:\n",
+        "test_full_fits.py",
+    ),
+    python(
+        "fits on errors that have taken a lag's place",
+        "diagnosis/selection/rivals.py",
+        "h = of_file(h)",
+        "h = fit.h",
         "test_full_fits.py",
     ),
     python(

@@ -7,6 +7,7 @@ from ivsid.diagnosis.candidates.families import adopted, everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.fit import survey
 from ivsid.diagnosis.estimation.learning import plain_fit
+from ivsid.diagnosis.null.boxed import outside
 from ivsid.diagnosis.selection import rivals
 from ivsid.diagnosis.selection.rivals import at_limits, fitted, fitted_inside
 from ivsid.log import Log
@@ -44,3 +45,17 @@ def test_a_further_cause_is_fitted_from_inside_the_limits_beside_one_that_has_nu
     pairs = [(fitted(beside.problem, beside, s), fitted_inside(beside.problem, beside, s)) for s in again[:4]]
     possible = [(own, found) for own, found in pairs if own is not None]
     assert possible and all(found is not None and found.merit >= own.merit for own, found in possible)
+
+
+def test_a_lag_of_the_shaft_is_fitted_on_the_curves_of_the_file_where_errors_have_taken_its_place():
+    """Errors of thirty times the accuracy between rising and falling demands stood for the shaft's lag, which beside a current was a lag of the thrust."""
+    drawn = case(263125, what="one", effect="thruster.shaft_lag", size=1.0, duration=120.0)
+    vehicle, columns = parse_vehicle(drawn.text, "v.toml"), drawn.logs[0]
+    log = Log("1.csv", "0" * 64, columns["t"], {n: x for n, x in columns.items() if n != "t"})
+    fit, scored = score(plain_fit(vehicle, channels(log, vehicle), everything))
+    assert min(most for _, most in outside(fit)) > 10.0 and not at_limits(fit)
+    shaft = next(s for s in scored if s.id == "thruster.shaft_lag")
+    there, inside = fitted(fit.problem, fit, shaft), fitted_inside(fit.problem, fit, shaft)
+    assert there is not None and inside is not None and inside.chi2 < 0.7 * there.chi2
+    (number,) = (g.values[0] for g in inside.states.h.given)
+    assert number == pytest.approx(drawn.truth["thruster.shaft_lag"], rel=0.1)

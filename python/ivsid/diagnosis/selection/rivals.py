@@ -20,6 +20,9 @@ from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.gauss_newton import improve
 from ivsid.diagnosis.estimation.kinds.candidate import PRICE, Scored
 from ivsid.diagnosis.estimation.problem import Problem
+from ivsid.diagnosis.estimation.signatures import of_file
+from ivsid.diagnosis.null import leaving
+from ivsid.diagnosis.null.boxed import outside
 from ivsid.diagnosis.null.rule import Refusal
 from ivsid.diagnosis.plant.physics import Hypothesis
 from ivsid.diagnosis.plant.usual_hull import hull_limits
@@ -209,23 +212,28 @@ def in_place_of(problem: Problem, fit: Fit, s: Scored, own: Rival | None, best: 
 
 
 def fitted_inside(problem: Problem, fit: Fit, s: Scored) -> Rival | None:
-    """A cause fitted in full, from the masses and drags of a regression as well where those of the model without it stand at limits of hulls.
+    """A cause fitted in full, from inside the limits of hulls as well, and a cause at a thruster from inside the accuracy of the curves.
 
     Thrusts that come late by many rows ask for a hull of any mass. Steps that start at a limit stay there, and chi-squared has another minimum inside.
+    A shaft that lags had thrust errors of thirty times the accuracy between rising and falling demands, on which a time of its own changes nothing
+    for the better.
 
     Args:
         problem: the log.
         fit: of the model without the cause.
         s: the cause with its score.
     """
-    own = fitted(problem, fit, s)
-    if not at_limits(fit):
+    own, h = fitted(problem, fit, s), fit.h
+    if s.candidate.effect.acts.at_thruster and max((most for _, most in outside(fit)), default=0.0) > leaving.FAR:
+        h = of_file(h)
+    if at_limits(fit):
+        predictor = problem.noise.predictor
+        # Terms of causes that the model holds beside its own may ask for columns that a regression has not.
+        first = first_values(predictor.vehicle, predictor.log, terms_of(predictor.vehicle), dict(fit.fixed))
+        h = replaced(h, {i: x for i, x in first.values.items() if i in fit.free})
+    if h is fit.h:
         return own
-    predictor = problem.noise.predictor
-    # Terms of causes that the model holds beside its own may ask for columns that a regression has not.
-    first = first_values(predictor.vehicle, predictor.log, terms_of(predictor.vehicle), dict(fit.fixed))
-    start = fit.states.under(replaced(fit.h, {i: x for i, x in first.values.items() if i in fit.free}))
-    again = fitted(problem, fit, s, start)
+    again = fitted(problem, fit, s, fit.states.under(h))
     return max((r for r in (own, again) if r is not None), key=lambda r: r.merit, default=None)
 
 

@@ -14,7 +14,7 @@ from ivsid.log import Log
 from ivsid.vehicle import parse_vehicle
 
 
-def test_a_delay_of_many_rows_is_fitted_from_inside_the_limits_of_hulls():
+def test_a_delay_of_many_rows_is_fitted_from_inside_the_limits_of_hulls(monkeypatch):
     """Thrusts that come a second late ask for a hull of three times its mass; steps from there stayed, and a stranger's ROV was `unknown`."""
     drawn = case(
         330205, what="one", effect="thruster.delay", size=6.0, kind="rov", duration=300.0, rate=10.0, style="rich"
@@ -27,6 +27,12 @@ def test_a_delay_of_many_rows_is_fitted_from_inside_the_limits_of_hulls():
     there, inside = fitted(fit.problem, fit, delay), fitted_inside(fit.problem, fit, delay)
     assert there is not None and inside is not None and inside.fall > 5.0 * there.fall
     (number,) = (g.values[0] for g in inside.states.h.given)
+    assert number == pytest.approx(drawn.truth["thruster.delay"], rel=0.1)
+    # On the curves of the file it is found as well: here the start from inside the limits stands alone.
+    monkeypatch.setattr(rivals, "outside", lambda _: ())
+    alone = fitted_inside(fit.problem, fit, delay)
+    assert alone is not None and alone.fall > 5.0 * there.fall
+    (number,) = (g.values[0] for g in alone.states.h.given)
     assert number == pytest.approx(drawn.truth["thruster.delay"], rel=0.1)
 
 

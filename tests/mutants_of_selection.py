@@ -34,8 +34,8 @@ SELECTION = (
     python(
         "fits on errors that have taken a lag's place",
         "diagnosis/selection/rivals.py",
-        "h = of_file(h)",
-        "h = fit.h",
+        "of_file(starts[-1] if starts else fit.h)",
+        "starts[-1] if starts else fit.h",
         "test_full_fits.py",
     ),
     python(

@@ -223,18 +223,16 @@ def fitted_inside(problem: Problem, fit: Fit, s: Scored) -> Rival | None:
         fit: of the model without the cause.
         s: the cause with its score.
     """
-    own, h = fitted(problem, fit, s), fit.h
-    if s.candidate.effect.acts.at_thruster and max((most for _, most in outside(fit)), default=0.0) > leaving.FAR:
-        h = of_file(h)
+    starts: list[Hypothesis] = []
     if at_limits(fit):
         predictor = problem.noise.predictor
         # Terms of causes that the model holds beside its own may ask for columns that a regression has not.
         first = first_values(predictor.vehicle, predictor.log, terms_of(predictor.vehicle), dict(fit.fixed))
-        h = replaced(h, {i: x for i, x in first.values.items() if i in fit.free})
-    if h is fit.h:
-        return own
-    again = fitted(problem, fit, s, fit.states.under(h))
-    return max((r for r in (own, again) if r is not None), key=lambda r: r.merit, default=None)
+        starts.append(replaced(fit.h, {i: x for i, x in first.values.items() if i in fit.free}))
+    if s.candidate.effect.acts.at_thruster and max((most for _, most in outside(fit)), default=0.0) > leaving.FAR:
+        starts.append(of_file(starts[-1] if starts else fit.h))
+    tried = [fitted(problem, fit, s), *(fitted(problem, fit, s, fit.states.under(h)) for h in starts)]
+    return max((r for r in tried if r is not None), key=lambda r: r.merit, default=None)
 
 
 def at_limits(fit: Fit) -> bool:

@@ -12,12 +12,14 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ivsid.diagnosis.estimation.fit import Fit
 from ivsid.diagnosis.estimation.kinds.candidate import Scored
 from ivsid.diagnosis.estimation.kinds.grid import LOOKS_A_VALUE, GridCandidate
 from ivsid.diagnosis.estimation.projection import Projection
 
+Array = NDArray[np.float64]
 # Fall of chi-squared at the best value of the grid from which values beside it are tried.
 # Source: definition: two standard deviations
 WORTH_A_LOOK: Final = 4.0
@@ -40,11 +42,16 @@ def with_finer(fit: Fit, scored: list[Scored]) -> tuple[Fit, list[Scored]]:
         fit: of the model.
         scored: scores of its candidates.
     """
-    out = []
-    for s in scored:
-        fit, best = _finer(fit, s) if _jumps(s) else (fit, s)
-        out.append(best)
-    return fit, out
+    best = [_finest(fit, s) if _jumps(s) else s for s in scored]
+    finer = [k for k, s in enumerate(scored) if best[k].values != s.values]
+    for column, k in enumerate(finer, len(fit.gram.names)):
+        best[k] = replace(best[k], columns=(column,))
+    if finer:
+        # A column of each cause joins: those that explain less would take as many directions of the noise.
+        made = [_columns(fit, best[k], best[k].values) for k in finer]
+        names, arrays = [n for names, _ in made for n in names], [x for _, arrays in made for x in arrays]
+        fit = replace(fit, gram=fit.gram.extended(names, arrays))
+    return fit, best
 
 
 def _jumps(s: Scored) -> bool:
@@ -52,12 +59,12 @@ def _jumps(s: Scored) -> bool:
     return isinstance(c, GridCandidate) and c.effect.form.jumps and s.fall >= WORTH_A_LOOK and len(c.values) > 1
 
 
-def _finer(fit: Fit, s: Scored) -> tuple[Fit, Scored]:
-    """The fit with the column of the best value, and its score; columns that explain less would take as many directions of the noise."""
+def _finest(fit: Fit, s: Scored) -> Scored:
+    """The score at the best value, whose column is not among those of the fit."""
     c = s.candidate
     assert isinstance(c, GridCandidate)
     spread = _all_over(fit, s)
-    wide, best = _tried(fit, s, spread) if spread else (fit, s)
+    best = _tried(fit, s, spread) if spread else s
     values = sorted({c.idle or min(c.values), *c.values, *best.values})
     for turn, count in enumerate(BETWEEN):
         if turn:
@@ -67,33 +74,36 @@ def _finer(fit: Fit, s: Scored) -> tuple[Fit, Scored]:
         low, high = values[max(k - 1, 0)], values[min(k + 1, len(values) - 1)]
         ends = [(a, b) for a, b in ((low, values[k]), (values[k], high)) if a < b]
         tried = [float(v) for a, b in ends for v in np.geomspace(a, b, count + 2)[1:-1]]
-        wide, best = _tried(wide, best, tried)
+        best = _tried(fit, best, tried)
         values = sorted([*values, *tried])
-    if best.columns == s.columns:
-        return fit, best
-    only, _ = _tried(fit, s, best.values)
-    return only, replace(best, columns=(len(fit.gram.names),))
+    return best
 
 
-def _tried(fit: Fit, best: Scored, values: Sequence[float]) -> tuple[Fit, Scored]:
-    """The fit with columns at further values, and the best score of these and the one before.
+def _tried(fit: Fit, best: Scored, values: Sequence[float]) -> Scored:
+    """The best score of further values and the one before.
 
     Args:
         fit: of the model.
         best: the score.
         values: that are tried.
     """
-    given, first, base = best.candidate.given, len(fit.gram.names), fit.projection.base
-    names = [f"{given((v,)).parts[0]}@{v!r}" for v in values]
-    fit = replace(fit, gram=fit.gram.extended(names, [fit.signatures.secant(given((v,))) for v in values]))
-    p = Projection(fit.gram, base)
+    # The base alone: products with the columns of other causes are asked of the best value, and of no other.
+    g, base = fit.bare, range(len(fit.base))
+    wide = g.extended(*_columns(fit, best, values), sums=True)
+    p, first = Projection(wide, base), len(base)
     looks = best.looks + LOOKS_A_VALUE * len(values)
     for j, value in enumerate(values):
         theta, fall = p.solve([first + j])
-        real = float(theta[0] / fit.gram.unit[first + j])
+        real = float(theta[0] / wide.unit[first + j])
         if real > 0 and _once(fall, real) > _once(best.fall, best.theta[0]):
-            best = replace(best, fall=fall, columns=(first + j,), theta=(real,), values=(value,), physical=True)
-    return fit, replace(best, looks=looks)
+            best = replace(best, fall=fall, theta=(real,), values=(value,), physical=True)
+    return replace(best, looks=looks)
+
+
+def _columns(fit: Fit, s: Scored, values: Sequence[float]) -> tuple[list[str], list[Array]]:
+    """Names and secants of a cause at some values."""
+    given = s.candidate.given
+    return [f"{given((v,)).parts[0]}@{v!r}" for v in values], [fit.signatures.secant(given((v,))) for v in values]
 
 
 def _once(fall: float, times: float) -> float:

@@ -157,7 +157,7 @@ class Gram:
     def extended(self, names: Sequence[str], columns: Sequence[Array], *, sums: bool = False) -> Gram:
         """With further columns, each of shape (rows, n); with ``sums`` the columns themselves are not kept."""
         x, unit = self.white.blocks(columns, self.good, self.length)
-        return self.joined(names, x.reshape(-1, *self.y.shape), unit, sums=sums)
+        return self.joined(names, x, unit, sums=sums)
 
     def whole(self) -> Gram:
         """The whole log as one block: all that a fit needs."""
@@ -174,16 +174,17 @@ class Gram:
     def joined(
         self, names: Sequence[str], x: Array, unit: Array, *, sums: bool = False, known: Array | None = None
     ) -> Gram:
-        """With further columns that are whitened and in unit length, shape (columns, blocks, numbers).
+        """With further columns that are whitened and in unit length.
 
         Args:
             names: theirs.
-            x: they.
+            x: they, shape (columns, blocks, numbers); blocks of another length are taken for these.
             unit: their lengths.
             sums: whether the columns themselves are not kept.
             known: their products with the first columns, where these are known, shape (blocks, first columns, columns).
         """
         old, new = len(self.names), len(names)
+        x = x.reshape(new, *self.y.shape)
         blocks = np.empty((len(self.y), old + new, old + new))
         blocks[:, :old, :old] = self.blocks
         first = 0

@@ -56,6 +56,11 @@ class Fit:
         return Projection(self.gram, self.base)
 
     @cached_property
+    def bare(self) -> Gram:
+        """Cross-products of the base alone, over the whole log as one block."""
+        return self.gram.only(self.base).whole()
+
+    @cached_property
     def problem(self) -> Problem:
         """The log as it is for other hypotheses, with the signatures of the declared errors at this one."""
         return Problem.at(self.noise, self.fixed, self.states)

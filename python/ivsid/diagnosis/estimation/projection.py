@@ -35,7 +35,7 @@ def largest_fall(g: Gram, base: Sequence[int], x: Array) -> float:
     """
     if not len(x):
         return 0.0
-    wide = g.joined([f"{k}" for k in range(len(x))], x.reshape(len(x), *g.y.shape), np.ones(len(x)))
+    wide = g.joined([f"{k}" for k in range(len(x))], x, np.ones(len(x)))
     p, first = Projection(wide, base), len(g.names)
     return max(fall if theta[0] > 0.0 else 0.0 for theta, fall in (p.solve([first + k]) for k in range(len(x))))
 

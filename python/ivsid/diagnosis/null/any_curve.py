@@ -75,11 +75,11 @@ class AnyCurve:
         self.fit = fit
         found = list(curve_errors(fit, over, finer))
         # Further columns join when they are asked for: most candidates are never held against a curve.
-        g = fit.gram.only(fit.base).whole()
+        g = fit.bare
         first = len(g.names)
         if found:
             x, unit = g.white.blocks([answer for _, answer in found], fit.gram.good, fit.gram.length)
-            g = g.joined([name for name, _ in found], x.reshape(len(x), *g.y.shape), unit)
+            g = g.joined([name for name, _ in found], x, unit)
             prior = g.prior.copy()
             prior[first:] = 1.0 / (BOUNDED * np.maximum(unit, 1e-300)) ** 2
             g = replace(g, prior=prior)
@@ -140,7 +140,7 @@ class AnyCurve:
         at = g.at(names)
         x = g.columns(at)
         x[[k for k, n in enumerate(names) if n in late], : len(g.blocks) // 2] = 0.0
-        return self.g.joined(names, x.reshape(len(at), *self.g.y.shape), g.unit[at])
+        return self.g.joined(names, x, g.unit[at])
 
     def reach(self) -> dict[str, Reach]:
         """What the noise and the worst declared errors make of each number of the fit, by column, in its unit."""
@@ -195,7 +195,7 @@ def with_family(g: Gram, fit: Fit, s: Scored) -> tuple[Gram, list[int]]:
         unit = np.sqrt(np.maximum(np.einsum("cbi,cbi->c", x, x), 1e-300))
         x = x / unit[:, None, None]
     first = len(g.names)
-    wide = g.joined([f"{s.id}@{k}" for k in s.columns], x.reshape(len(x), *g.y.shape), unit, known=known)
+    wide = g.joined([f"{s.id}@{k}" for k in s.columns], x, unit, known=known)
     return wide, list(range(first, len(wide.names)))
 
 

@@ -28,7 +28,7 @@ class Beside(ABC):
 
     def __init__(self, fit: Fit) -> None:
         self.fit = fit
-        self._base = fit.gram.only(fit.base).whole()
+        self._base = fit.bare
 
     @abstractmethod
     def beside(self, g: Gram) -> Gram:

@@ -121,7 +121,7 @@ class Frequencies:
 
     def __init__(self, fit: Fit) -> None:
         self.fit = fit
-        self._base = fit.gram.only(fit.base).whole()
+        self._base = fit.bare
 
     @cached_property
     def _low(self) -> NDArray[np.complex128]:

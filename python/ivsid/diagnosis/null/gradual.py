@@ -84,7 +84,7 @@ def gradual(fit: Fit, s: Scored, weaker: Array = NO_FORCES) -> float:
     """
     g, p, (j,) = fit.gram, fit.projection, s.columns
     slow = _largest(s, p, shapes(len(g.blocks)), g.blocks[:, j][:, p.base], g.blocks[:, j, j], g.score[:, j])
-    return max(slow, largest_fall(g, p.base, weaker))
+    return max(slow, largest_fall(fit.bare, range(len(p.base)), weaker))
 
 
 def beside_curves(curve: AnyCurve, s: Scored, weaker: Array = NO_FORCES) -> tuple[float, float]:

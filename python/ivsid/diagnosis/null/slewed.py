@@ -63,7 +63,7 @@ def slewed(problem: Problem, states: FilteredStates, s: Scored, plain: Hypothesi
         forces.append(mass.solve(bollard_force(predictor.vehicle, change, turn)))
     g = problem.gram(states, sums=False)
     x, unit = g.white.blocks([predictor.answer(a) for a in forces], g.good, g.length)
-    wide = g.joined([f"limited at {pace:g}" for pace in PACES], x.reshape(-1, *g.y.shape), unit)
+    wide = g.joined([f"limited at {pace:g}" for pace in PACES], x, unit)
     p, first = Projection(wide, range(len(g.names))), len(g.names)
     best = 0.0
     for k in range(len(PACES)):

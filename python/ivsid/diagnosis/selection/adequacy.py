@@ -54,7 +54,7 @@ def adequacy(fit: Fit, *, turning: bool = False, known: Regressors | None = None
     """
     names, x, unit = known or regressors(fit, turning=turning)
     # The model's own columns stand beside the dictionary, and those of the causes do not.
-    g = fit.gram.only(fit.base)
+    g = fit.bare
     first = len(g.names)
     wide = g.joined(names, x, unit)
     own, at = Projection(wide, range(first)), range(first, len(wide.names))
@@ -92,7 +92,7 @@ def adequacy(fit: Fit, *, turning: bool = False, known: Regressors | None = None
     )
 
     def beside_curves(free: AnyCurve) -> _Beside:
-        wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
+        wide = free.g.joined(names, x, unit)
         own, at = Projection(wide, free.projection.base), range(len(free.g.names), len(wide.names))
         scatter = excess(fit, own, at, spectrum(fit, wide) if noise is None else noise)
         return found.also(_structure(own, at, names, free.worst, scatter)), wide, own, at, free.worst

@@ -161,7 +161,7 @@ class Forces:
         if not own:
             return None
         regular, x, unit = known or regressors(fit)
-        g = fit.gram.only(fit.base)
+        g = fit.bare
         held = np.array([numbers.get(n, 0.0) for n in names]) * g.unit
         forces = [in_words(n) for n in regular]
         wide = g.joined(forces, x, unit)
@@ -179,7 +179,7 @@ class Forces:
         @cache
         def free() -> Gram:
             beside = AnyCurve(fit).g
-            return beside.joined(curves, lines.reshape(len(lines), *beside.y.shape), lengths)
+            return beside.joined(curves, lines, lengths)
 
         return cls(own, held, wide, forces, curves, groups, hull, boxed, free)
 

@@ -111,7 +111,7 @@ def _standing(fit: Fit) -> Iterator[Mapping[str, float]]:
     names = [in_words(n) for n in known]
     others = Others(fit)
     free = others.curve
-    wide = free.g.joined(names, x.reshape(len(x), *free.g.y.shape), unit)
+    wide = free.g.joined(names, x, unit)
     own, at = Projection(wide, free.projection.base), range(len(free.g.names), len(wide.names))
     found = Standing.of(own, at, free.worst, excess(fit, own, at, spectrum(fit, wide)))
     least, sign = found.falls, np.sign(found.scores)

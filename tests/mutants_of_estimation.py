@@ -18,13 +18,6 @@ ESTIMATION = (
         "test_hidden_caps.py",
     ),
     python(
-        "most cells beside no slow force",
-        "diagnosis/null/leaving.py",
-        "if least is not None and chdtrc",
-        "if least is None and chdtrc",
-        "test_settled_cells.py",
-    ),
-    python(
         "caps at the values of the grid alone",
         "diagnosis/candidates/finer.py",
         "c.effect.form.edged and s.fall",

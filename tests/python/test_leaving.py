@@ -85,8 +85,6 @@ def test_a_sensor_that_stands_elsewhere_is_told(metres):
 def test_errors_that_jump_every_fortieth_of_the_range_keep_their_bounds(seed, monkeypatch):
     vehicle, train, _ = logs(seed, what="none", thrust="levels", share=1.0, sea="markov", sensors="white")
     fit = fitted(vehicle, train)
-    # Twice the cells are enough: the most cells are not asked here.
-    monkeypatch.setattr(leaving, "settled", lambda *_: True)
     assert adequacy(fit).bounded
     monkeypatch.setattr(inside_cells, "CLOSER", 1)
     assert not adequacy(fit).bounded

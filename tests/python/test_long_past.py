@@ -80,8 +80,6 @@ def test_gusts_that_push_and_turn_at_once_move_no_thrust_out_of_its_bounds(seed,
     vehicle = parse_vehicle(c.text, "v.toml")
     fit = plain_fit(vehicle, channels(logs_of_case(c)[0], vehicle), everything)
     others = leaving.Others(fit)
-    # The longer past is enough: the most cells beside the shorter one would be, too.
-    monkeypatch.setattr(leaving, "settled", lambda *_: True)
     assert leaving.chdtrc(*reversed(leaving.thrusts(others)[:2])) > RISK
     monkeypatch.setattr(leaving, "LongPast", OwnPast)
     monkeypatch.setattr(leaving, "spectrum", lambda *_: None)

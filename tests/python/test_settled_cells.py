@@ -7,17 +7,15 @@ import pytest
 from tests.exam.cases import case
 from tests.exam.seal import seal
 
-from diagnosis_logs import logs_of_case
 from ivsid.diagnosis.candidates.families import everything, score
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
-from ivsid.diagnosis.null import leaving
 from ivsid.diagnosis.null.round import Round
 from ivsid.diagnosis.null.screening import CLOSER_CURVE, Case
 from ivsid.diagnosis.null.visibility import visibility
 from ivsid.diagnosis.selection.adequacy import adequacy
 from ivsid.log import read_log
-from ivsid.vehicle import parse_vehicle, read_vehicle
+from ivsid.vehicle import read_vehicle
 
 CHANCE = 1e-4
 
@@ -59,34 +57,6 @@ def test_errors_that_jump_inside_cells_are_no_cause_however_far_they_stand_out(l
 def test_such_a_log_is_adequate_for_its_model(levels):
     left = adequacy(levels.fit)
     assert left.quiet and left.bounded and left.white
-
-
-@pytest.mark.parametrize(("finest", "left"), [(39.0, 39.0), (90.0, 150.0)])
-def test_most_cells_are_asked_beside_the_force_that_leaves_least(finest, left, monkeypatch):
-    """Jumps inside cells and a slow force may be all of it, and neither alone; what more cells leave half of is neither."""
-    found = {"curve": 440.0, "closer": 280.0, "past closer": 290.0, "slow closer": 150.0, "slow finest": finest}
-    reached = lambda cells, other=None, *_, **__: SimpleNamespace(  # noqa: E731 - a table
-        leaving=found[f"{other.name} {cells.name}" if other else cells.name], other=None
-    )
-    monkeypatch.setattr(leaving, "Reached", reached)
-    monkeypatch.setattr(leaving, "Boxed", lambda *_: SimpleNamespace(leaving=340.0, knots=60))
-    monkeypatch.setattr(leaving, "outside", lambda _: ())
-    monkeypatch.setattr(leaving, "spectrum", lambda *_: None)
-    cells = {n: SimpleNamespace(name=n, g=None) for n in ("curve", "closer", "finest")}
-    forces = [SimpleNamespace(name=n, spectrum=lambda _: None) for n in ("past", "slow")]
-    others = SimpleNamespace(fit=None, beside=lambda: iter(forces), **cells)
-    assert leaving.thrusts(others) == (left, 60, 280.0)
-
-
-@pytest.mark.nightly
-def test_jumps_inside_cells_beside_a_slow_force_leave_no_bound():
-    """Nothing is hidden: levels of 0.82 of the accuracy on a circle, where gusts of three times the usual sea push and turn at once.
-
-    Closer cells leave 284, and 151 beside slow forces; the finest 147, and 39 beside slow forces.
-    """
-    hidden = case(271511, what="none", sea="any", sensors="any")
-    vehicle, train = parse_vehicle(hidden.text, "v.toml"), logs_of_case(hidden)[0]
-    assert adequacy(plain_fit(vehicle, channels(train, vehicle), everything)).in_bounds
 
 
 def test_a_cap_has_no_more_to_fear_of_more_cells(tmp_path):

@@ -88,19 +88,13 @@ def thrusts(others: Others) -> tuple[float, int, float]:
     if chdtrc(knots, left) <= DOUBT and left < FORETOLD:
         # An ambient force of another spectrum than the whitening knows scatters them as well.
         left = min(left, Reached(others.closer, noise=spectrum(fit, others.closer.g)).leaving)
-    least: Beside | None = None
     for other in others.beside():
         if chdtrc(knots, left) > DOUBT or left >= FORETOLD:
             break
         beside = Reached(others.closer, other, other.spectrum(others.closer.g))
-        if beside.leaving < left:
-            left, least = beside.leaving, other
+        left = min(left, beside.leaving)
         if doubt and beside.other is not None:
             left = min(left, Boxed(fit, beside.other.base).leaving)
-    if least is not None and chdtrc(knots, left) <= DOUBT and left < FORETOLD:
-        # Errors that jump inside cells and a force beside them may be all of it, and neither alone.
-        finest = Reached(others.finest, least, least.spectrum(others.finest.g)).leaving
-        left = left if settled(left, finest) else finest
     return left, knots, bare
 
 

@@ -6,7 +6,7 @@ from tests.exam.cases import case
 
 from diagnosis_logs import logs_of_case
 from ivsid import diagnose
-from ivsid.diagnosis.candidates.families import everything, score
+from ivsid.diagnosis.candidates.families import everything
 from ivsid.diagnosis.data.channels import channels
 from ivsid.diagnosis.estimation.learning import plain_fit
 from ivsid.diagnosis.null.boxed import outside
@@ -36,15 +36,3 @@ def test_beside_errors_inside_their_bounds_it_is_looked_for_where_they_are(cap):
     s = plain_fit(vehicle, channels(train, vehicle), everything).signatures
     assert s.on_file is s.h
     np.testing.assert_array_equal(s.secant(Given(EFFECTS[CAP], (cap,))), s.whole(Given(EFFECTS[CAP], (cap,))))
-
-
-def test_a_cap_little_below_the_largest_thrust_keeps_its_fall():
-    """At 0.93 of it, on a line without yaw, where errors of 2.3 bounds had capped the curves: the best value of the grid explained 9.
-
-    Its neighbours on the curve of the file explain 95 and less, and one between them 123.
-    """
-    vehicle, train, _, truth = drawn(330501, what="one", effect=CAP, size=1.0, sea="any", sensors="any", duration=600.0)
-    fit = plain_fit(vehicle, channels(train, vehicle), everything)
-    assert 2.0 < max(most for _, most in outside(fit)) < 5.0
-    (s,) = [s for s in score(fit)[1] if s.id == CAP]
-    assert s.fall > 110.0 and s.values[0] == pytest.approx(truth[CAP], rel=0.05)

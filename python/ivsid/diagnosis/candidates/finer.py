@@ -1,8 +1,8 @@
-"""Finer values of causes with an edge at one demand or thrust: between two values of a grid their fall of chi-squared has a sharp peak.
+"""Finer values of causes whose errors jump with their number: between two values of a grid their fall of chi-squared has a sharp peak.
 
 A dead band moves the thrust at the very demands at which a command crosses its edge. A band that is wrong by a fifth crosses elsewhere. Beside any
 thrust error that bends at knots all that is left of a band is its edge, so that the peak is a share of the distance of the knots wide, wherever
-the grid's own values stand. A cap bends the thrust at one demand, and the knots follow all of it but the bend.
+the grid's own values stand.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def with_finer(fit: Fit, scored: list[Scored]) -> tuple[Fit, list[Scored]]:
         fit: of the model.
         scored: scores of its candidates.
     """
-    best = [_finest(fit, s) if _edged(s) else s for s in scored]
+    best = [_finest(fit, s) if _jumps(s) else s for s in scored]
     finer = [k for k, s in enumerate(scored) if best[k].values != s.values]
     for column, k in enumerate(finer, len(fit.gram.names)):
         best[k] = replace(best[k], columns=(column,))
@@ -54,9 +54,9 @@ def with_finer(fit: Fit, scored: list[Scored]) -> tuple[Fit, list[Scored]]:
     return fit, best
 
 
-def _edged(s: Scored) -> bool:
+def _jumps(s: Scored) -> bool:
     c = s.candidate
-    return isinstance(c, GridCandidate) and c.effect.form.edged and s.fall >= WORTH_A_LOOK and len(c.values) > 1
+    return isinstance(c, GridCandidate) and c.effect.form.jumps and s.fall >= WORTH_A_LOOK and len(c.values) > 1
 
 
 def _finest(fit: Fit, s: Scored) -> Scored:

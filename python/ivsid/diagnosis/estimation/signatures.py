@@ -43,9 +43,8 @@ INVERSE_STEP: Final = 0.02
 # Source: geometry: a number near zero still needs a difference above rounding
 LEAST_SIZE: Final = 0.1
 # Fitted error of a thrust, in its bound, from which on a cap is looked for on the curve of the file.
-# Source: measured: of 60 sound logs whose thrust errors fill their bounds one reached 2.1; one of 2.3 had taken the place of a cap at 0.93 of the largest
-# thrust, and left 9 of the 123 in chi-squared by which the cap explains the log on the curve of the file
-HIDING: Final = 2.0
+# Source: definition: no error that is declared comes near
+HIDING: Final = 5.0
 # Multiple of a cap that caps nothing.
 # Source: definition: no thruster pushes by a million times what it is looked for
 IDLE: Final = 1e6

@@ -74,6 +74,13 @@ DIAGNOSIS = (
         "test_finer_bands.py",
     ),
     python(
+        "finer bands with each other's columns",
+        "diagnosis/candidates/finer.py",
+        "enumerate(finer, len(fit.gram.names))",
+        "enumerate(finer[::-1], len(fit.gram.names))",
+        "test_finer_bands.py",
+    ),
+    python(
         "a model beside errors that end at its own edges",
         "diagnosis/estimation/problem.py",
         "if _edges(states.h) == self.edges:",

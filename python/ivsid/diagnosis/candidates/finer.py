@@ -60,7 +60,7 @@ def _jumps(s: Scored) -> bool:
 
 
 def _finest(fit: Fit, s: Scored) -> Scored:
-    """The score at the best value, whose column is not among those of the fit."""
+    """The score at the best value; its columns are still those of the grid's best one."""
     c = s.candidate
     assert isinstance(c, GridCandidate)
     spread = _all_over(fit, s)

@@ -28,7 +28,6 @@ class Beside(ABC):
 
     def __init__(self, fit: Fit) -> None:
         self.fit = fit
-        self._base = fit.bare
 
     @abstractmethod
     def beside(self, g: Gram) -> Gram:
@@ -61,7 +60,7 @@ class Beside(ABC):
     @cached_property
     def base(self) -> Gram:
         """The same of the base alone."""
-        return self.beside(self._base)
+        return self.beside(self.fit.bare)
 
     def fall(self, s: Scored) -> float:
         """Fall of chi-squared of a cause beside the base and this.
@@ -69,7 +68,7 @@ class Beside(ABC):
         Args:
             s: the cause with its score.
         """
-        g, at = with_family(self._base, self.fit, s)
+        g, at = with_family(self.fit.bare, self.fit, s)
         return Projection(self.beside(g), range(len(self.fit.base))).solve(at)[1]
 
     def moved(self, s: Scored) -> Array:
@@ -78,6 +77,6 @@ class Beside(ABC):
         Args:
             s: the cause with its score.
         """
-        g, at = with_family(self._base, self.fit, s)
+        g, at = with_family(self.fit.bare, self.fit, s)
         whole = range(len(g.names))
         return np.asarray((Projection(self.beside(g), whole).coefficients - Projection(g, whole).coefficients)[at])

@@ -121,20 +121,19 @@ class Frequencies:
 
     def __init__(self, fit: Fit) -> None:
         self.fit = fit
-        self._base = fit.bare
 
     @cached_property
     def _low(self) -> NDArray[np.complex128]:
-        return _lowest(self.fit, self._base.parts)
+        return _lowest(self.fit, self.fit.bare.parts)
 
     @cached_property
     def _taken(self) -> Array:
-        return _projected(self._base.normal(range(len(self.fit.base))), self._low)
+        return _projected(self.fit.bare.normal(range(len(self.fit.base))), self._low)
 
     @cached_property
     def _left(self) -> Array:
-        base = range(len(self.fit.base))
-        return self._base.y - self._base.explained(base, Projection(self._base, base).coefficients)
+        g, base = self.fit.bare, range(len(self.fit.base))
+        return g.y - g.explained(base, Projection(g, base).coefficients)
 
     def strength(self, s: Scored) -> Strength:
         """Strength of the noise at a cause's frequencies.
@@ -143,7 +142,7 @@ class Frequencies:
             s: the cause with its score.
         """
         fit = self.fit
-        g, at = with_family(self._base, fit, s)
+        g, at = with_family(self.fit.bare, fit, s)
         base = range(len(fit.base))
         p = Projection(g, base)
         theta, fall = p.solve(at)
@@ -153,7 +152,7 @@ class Frequencies:
         if not (fall > 0 and weight.sum() > 0):
             return Strength(1.0, np.inf)
         # What the cause takes beside the base adds to what the base takes.
-        beside = _lowest(fit, g.parts[len(self._base.parts) :]) - in_base.T @ self._low
+        beside = _lowest(fit, g.parts[len(self.fit.bare.parts) :]) - in_base.T @ self._low
         taken = self._taken + _projected(p.information(at) + RIDGE * np.eye(len(at)), beside)
         found = _spectrum(fit, self._left - own, taken)
         mean = float((weight * found.found).sum() / weight.sum())

@@ -48,8 +48,8 @@ class OwnPast(Beside):
             g: cross-products whose first columns are those of the base.
         """
         total, score = g.total.copy(), g.score.sum(axis=0)
-        further = g.parts[len(self._base.parts) :]
-        first = len(self._base.names)
+        further = g.parts[len(self.fit.bare.parts) :]
+        first = len(self.fit.bare.names)
         for (row, errors, factor), (known, held, taken) in zip(self._past, self._products, strict=True):
             own = np.concatenate([np.zeros((0, len(errors))), *(self._row(x, row) @ errors.T for x in further)])
             cross = own @ held
@@ -66,7 +66,7 @@ class OwnPast(Beside):
         return tuple(self._rows())
 
     def _rows(self) -> Iterator[Past]:
-        g, white = self._base, self.fit.noise.whitening
+        g, white = self.fit.bare, self.fit.noise.whitening
         every = range(len(g.names))
         left = (g.y - g.explained(every, Projection(g, every).coefficients))[None]
         for group, taps in zip(white.groups, white.taps, strict=True):
@@ -92,7 +92,7 @@ class OwnPast(Beside):
         """Products of the base's columns with the past errors, by row, their coefficients in these, and what these take of the base."""
         found = []
         for row, errors, factor in self._past:
-            known = np.concatenate([self._row(x, row) @ errors.T for x in self._base.parts])
+            known = np.concatenate([self._row(x, row) @ errors.T for x in self.fit.bare.parts])
             held = cho_solve(factor, known.T)
             found.append((known, held, known @ held))
         return tuple(found)

@@ -94,7 +94,7 @@ class SlowForce(Beside):
 
     @cached_property
     def _held(self) -> tuple[Array, bool]:
-        g = self._base
+        g = self.fit.bare
         return self._multiplied(g, range(len(g.names)), np.zeros(len(g.names)))
 
     def under(self, g: Gram, base: Sequence[int], known: Array) -> SlowForce:
@@ -113,7 +113,7 @@ class SlowForce(Beside):
     @cached_property
     def _of_base(self) -> Array:
         """Products of the base's columns with the forces, which all causes share, shape (base, forces)."""
-        return self._products(self._base.parts)
+        return self._products(self.fit.bare.parts)
 
     def _products(self, parts: Sequence[Array]) -> Array:
         """Products of columns with the forces, shape (columns, forces)."""
@@ -126,7 +126,7 @@ class SlowForce(Beside):
         Args:
             g: cross-products whose first columns are those of the base.
         """
-        return np.concatenate([self._of_base, self._products(g.parts[len(self._base.parts) :])])
+        return np.concatenate([self._of_base, self._products(g.parts[len(self.fit.bare.parts) :])])
 
     def _multiplied(self, g: Gram, base: Sequence[int], known: Array) -> tuple[Array, bool]:
         """Information before the log with multipliers, and whether a bound is far passed without them."""
